@@ -1,0 +1,223 @@
+"""The cloud: points checked, centred, scaled, without duplicates, and thinned where there are too many."""
+
+import warnings
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
+
+from symjax.errors import (
+    DegenerateCloudError,
+    DuplicatePointsWarning,
+    InvalidArgumentError,
+    InvalidPointsError,
+    NonfiniteError,
+    PrecisionWarning,
+    TooFewPointsError,
+)
+
+MIN_POINTS = 50
+"""Fewer points carry no spectrum worth the name; pairs alone can still be fitted."""
+
+MAX_POINTS = 10_000
+"""More points than this are thinned: the answer's accuracy is the keypoints', which does not grow with them."""
+
+COINCIDENT = 1e-9
+"""Points closer than about this share of the diagonal count as one."""
+
+FLAT = 1e-6
+"""Ratio of singular values below which a cloud counts as collinear or coplanar."""
+
+PERCENT_WORTH_A_WARNING = 1.0
+FAR_FOR_FLOAT32 = 1e5
+
+
+class Cloud(NamedTuple):
+    """Points in units of their diagonal about their mean, and the way back.
+
+    The diagonal is that of the box in the cloud's principal frame: unlike the box along the axes it does not
+    change when the cloud turns.
+
+    Attributes:
+        points: normalised points; the given ones are `centre + diagonal * points`.
+        index: their row in the given array.
+        centre: mean of the given points.
+        diagonal: length of the principal box's diagonal, in the given units.
+        num_given: rows of the given array.
+        notes: what was dropped, merged, thinned or found, as sentences.
+    """
+
+    points: Float[np.ndarray, "n 3"]
+    index: Int[np.ndarray, "n"]
+    centre: Float[np.ndarray, "3"]
+    diagonal: float
+    num_given: int
+    notes: tuple[str, ...]
+
+
+def prepare(
+    points: ArrayLike,
+    *,
+    nonfinite: Literal["raise", "drop"] = "raise",
+    max_points: int = MAX_POINTS,
+) -> Cloud:
+    """Check, centre, scale, merge and thin a cloud.
+
+    Args:
+        points: (n, 3) real numbers in any units, anywhere.
+        nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity and say so.
+        max_points: larger clouds are thinned to at most this many, deterministically and whatever their pose.
+
+    Raises:
+        InvalidPointsError: no (n, 3) array of real numbers.
+        NonfiniteError: NaN or infinity, with `nonfinite="raise"`.
+        TooFewPointsError: fewer than 50 distinct points.
+        DegenerateCloudError: the points coincide or lie on one line.
+        InvalidArgumentError: an option is out of its range.
+    """
+    if nonfinite not in ("raise", "drop"):
+        raise InvalidArgumentError(f"nonfinite must be 'raise' or 'drop', not {nonfinite!r}")
+    if max_points < MIN_POINTS:
+        raise InvalidArgumentError(f"max_points must be at least {MIN_POINTS}, not {max_points}")
+    given = as_points(points)
+    notes: list[str] = []
+    index = _finite_rows(given, nonfinite, notes)
+    _require(len(index), "points")
+    values = given[index]
+
+    centre, extent = _middle(values)
+    if extent == 0:
+        raise DegenerateCloudError(f"all {len(index)} points coincide: no mirror plane is defined")
+    offset = float(np.abs(centre).max())
+    if np.asarray(points).dtype == np.float32 and offset / extent > FAR_FOR_FLOAT32:
+        warnings.warn(
+            f"float32 points {offset / extent:.0e} times their extent away from the origin have lost most of "
+            "their digits: subtract their mean before storing them, or use float64",
+            PrecisionWarning,
+            stacklevel=3,
+        )
+    unit = (values - centre) / extent
+    singular, frame = _principal_frame(unit)
+    if singular[1] < FLAT * singular[0]:
+        raise DegenerateCloudError(f"the {len(index)} points lie on one line: no mirror plane is defined")
+    if singular[2] < FLAT * singular[0]:
+        notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
+    in_frame = unit @ frame
+    diagonal = float(np.linalg.norm(np.ptp(in_frame, axis=0)))
+    in_frame /= diagonal
+
+    keep = _thin(in_frame, max_points) if len(in_frame) > max_points else np.arange(len(in_frame))
+    if len(keep) < len(in_frame):
+        notes.append(f"thinned from {len(in_frame)} to {len(keep)} points on a grid")
+    distinct = _first_of_each(np.round(in_frame[keep] / COINCIDENT).astype(np.int64))
+    merged = len(keep) - len(distinct)
+    if merged:
+        notes.append(f"{merged} points coincide with others and were merged")
+        if 100 * merged > PERCENT_WORTH_A_WARNING * len(keep):
+            warnings.warn(
+                f"{merged} of {len(keep)} points coincide with others and were merged",
+                DuplicatePointsWarning,
+                stacklevel=3,
+            )
+    keep = keep[distinct]
+    _require(len(keep), "distinct points")
+    return Cloud(unit[keep] / diagonal, index[keep], centre, diagonal * extent, len(given), tuple(notes))
+
+
+def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
+    """The points as an (n, 3) float64 array.
+
+    Raises:
+        InvalidPointsError: ragged, of another type than real numbers, or of another shape.
+    """
+    try:
+        array = np.asarray(points)
+    except ValueError as error:
+        raise InvalidPointsError("points must be an (n, 3) array; these rows differ in length") from error
+    if array.dtype.kind not in "fiu":
+        raise InvalidPointsError(f"points must be real numbers, not {array.dtype}: convert them to float first")
+    if array.size == 0:
+        raise TooFewPointsError(f"points is empty (shape {array.shape}); at least {MIN_POINTS} are needed")
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = ""
+        if array.ndim == 2 and array.shape[0] == 3:
+            hint = ": transpose it (points.T)"
+        elif array.ndim == 2 and array.shape[1] > 3:
+            hint = ": pass the coordinates only (points[:, :3])"
+        elif array.ndim == 2 and array.shape[1] == 2:
+            hint = ": two coordinates are no 3D cloud; add a third column"
+        raise InvalidPointsError(f"points must have shape (n, 3), not {array.shape}{hint}")
+    return array.astype(float)
+
+
+def _require(count: int, what: str) -> None:
+    if count < MIN_POINTS:
+        raise TooFewPointsError(
+            f"{count} {what} are too few: at least {MIN_POINTS} are needed. "
+            "If you know which points mirror each other, fit the pairs with symjax.fit_plane(x, y, sigma)"
+        )
+
+
+def _finite_rows(points: Float[np.ndarray, "n 3"], nonfinite: str, notes: list[str]) -> Int[np.ndarray, "m"]:
+    finite = np.isfinite(points).all(axis=1)
+    bad = int(len(points) - np.count_nonzero(finite))
+    if bad and nonfinite == "raise":
+        raise NonfiniteError(
+            f"{bad} of {len(points)} points are NaN or infinite, the first at index {int(np.argmin(finite))}: "
+            "remove them, or pass nonfinite='drop'"
+        )
+    if bad:
+        notes.append(f"{bad} of {len(points)} points were NaN or infinite and were dropped")
+    return np.flatnonzero(finite)
+
+
+def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
+    """Mean and largest coordinate distance from it, for coordinates whose squares or sums may overflow."""
+    largest = float(np.abs(points).max())
+    if largest == 0:
+        return np.zeros(3), 0.0
+    # a power of two, so that scaling rounds nothing; halved, so that differences stay finite
+    scale = 2.0 ** min(np.frexp(largest)[1] + 1, 1023)
+    small = points / scale
+    centre = small.mean(axis=0)
+    return centre * scale, float(np.abs(small - centre).max()) * scale
+
+
+def _principal_frame(
+    points: Float[np.ndarray, "n 3"],
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+    """Singular values, descending, and the principal axes in columns."""
+    _, singular, axes = np.linalg.svd(np.linalg.qr(points, mode="r"))
+    return singular, axes.T
+
+
+def _thin(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray, "m"]:
+    """One point a grid cell, the nearest to its centre, with the finest cells that leave at most `max_points`.
+
+    The grid stands in the principal frame about the mean, so that it turns and mirrors with the cloud.
+    """
+    fine, coarse = 1e-4, 1.0
+    for _ in range(12):
+        middle = float(np.sqrt(fine * coarse))
+        if len(np.unique(_cells(points, middle))) > max_points:
+            fine = middle
+        else:
+            coarse = middle
+    cells = _cells(points, coarse)
+    off_centre = ((points / coarse - np.floor(points / coarse) - 0.5) ** 2).sum(axis=1)
+    order = np.lexsort((off_centre, cells))
+    first = np.r_[True, np.diff(cells[order]) != 0]
+    return np.sort(order[first])
+
+
+def _cells(points: Float[np.ndarray, "n 3"], size: float) -> Int[np.ndarray, "n"]:
+    cell = np.floor(points / size).astype(np.int64) + 2**20
+    return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
+
+
+def _first_of_each(keys: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, "m"]:
+    """Rows that are the first of their kind, in order."""
+    order = np.lexsort((np.arange(len(keys)), keys[:, 2], keys[:, 1], keys[:, 0]))
+    new = np.r_[True, (np.diff(keys[order], axis=0) != 0).any(axis=1)]
+    return np.sort(order[new])

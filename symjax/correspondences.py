@@ -1,0 +1,134 @@
+"""Sym-HKS: putative mirror pairs of a cloud (Sec. 4 of the paper)."""
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
+from symjax.keypoints import NUM_KEYPOINTS, RADIUS, keypoints
+from symjax.matching import assign_pairs, sign_penalty_cost
+from symjax.signatures import (
+    NUM_TIMES,
+    TimeScale,
+    diffusion_times,
+    heat_kernel_signatures,
+    sign_vectors,
+    whiten,
+)
+from symjax.spectrum import NUM_EIGS, spectrum
+from symjax.stages import Stages
+
+PAIRS_PER_KEYPOINT = 0.25
+"""q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair. From 15 to 40 % made no
+difference to the plane; below, thin shapes lose their pairs, and above, most pairs are wrong."""
+
+NUM_SIGNS = 12
+"""Low eigenfunctions whose signs tell twins from neighbours. The paper's s_i has one sign a keypoint, which is a
+misprint for one an eigenfunction; the highest of them change sign between neighbours, and say nothing."""
+
+MIN_PAIRS = 3
+"""Fewer pairs do not fix a plane against one outlier."""
+
+
+class Correspondences(NamedTuple):
+    """Putative mirror pairs.
+
+    Attributes:
+        rows: rows of the two points of every pair in the cloud.
+        spacing: root mean squared distance of the cloud's points from their nearest keypoint: what separates a
+            point's mirror image from the best possible match.
+        notes: what was found, as sentences.
+    """
+
+    rows: Int[np.ndarray, "q 2"]
+    spacing: float
+    notes: tuple[str, ...]
+
+
+class SymHKS(NamedTuple):
+    """Options of the correspondences. The defaults are the paper's where it prints one.
+
+    Attributes:
+        num_eigs: eigenfunctions k.
+        num_keypoints: keypoints, the constant one included.
+        radius: radius r of the neighbourhood of intrinsic shape signatures, as a fraction of the diagonal.
+        num_times: diffusion times p.
+        times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
+        whitened: compare signatures by their Mahalanobis distance; False is the paper's plain distance.
+        num_signs: low eigenfunctions in the sign vectors; 0 leaves the constraint out.
+        num_pairs: pairs q; None is a quarter of the keypoints.
+        symmetric: the exact symmetric matching instead of the assignment; for up to some hundred keypoints.
+    """
+
+    num_eigs: int = NUM_EIGS
+    num_keypoints: int = NUM_KEYPOINTS
+    radius: float = RADIUS
+    num_times: int = NUM_TIMES
+    times: TimeScale = "logarithmic"
+    whitened: bool = True
+    num_signs: int = NUM_SIGNS
+    num_pairs: int | None = None
+    symmetric: bool = False
+
+    def check(self) -> None:
+        """Raises InvalidArgumentError for an option out of its range."""
+        for name, least in (("num_eigs", 2), ("num_keypoints", 6), ("num_times", 1), ("num_signs", 0)):
+            if getattr(self, name) < least:
+                raise InvalidArgumentError(f"{name} must be at least {least}, not {getattr(self, name)}")
+        if not 0 < self.radius < 1:
+            raise InvalidArgumentError(f"radius must be between 0 and 1 (of the diagonal), not {self.radius}")
+        if self.num_pairs is not None and self.num_pairs < MIN_PAIRS:
+            raise InvalidArgumentError(f"num_pairs must be at least {MIN_PAIRS}, not {self.num_pairs}")
+
+
+def sym_hks(
+    points: Float[np.ndarray, "n 3"],
+    *,
+    normals: Float[np.ndarray, "n 3"] | None = None,
+    options: SymHKS | None = None,
+    stages: Stages | None = None,
+) -> Correspondences:
+    """Putative mirror pairs of a cloud: spectrum, keypoints, signatures, assignment.
+
+    Args:
+        points: distinct points in units of their diagonal.
+        normals: surface normals, of either orientation.
+        options: see `SymHKS`.
+        stages: clock of the stages.
+
+    Raises:
+        InvalidArgumentError: an option is out of its range.
+        SpectrumError: no eigenpairs.
+        MatchingError: fewer than three pairs.
+    """
+    options = SymHKS() if options is None else options
+    options.check()
+    stages = Stages() if stages is None else stages
+    notes: list[str] = []
+    with stages("spectrum"):
+        eigen = spectrum(points, normals=normals, num_eigs=options.num_eigs)
+    if eigen.num_components > 1:
+        notes.append(f"the cloud is in {eigen.num_components} pieces, between which no heat flows")
+        warnings.warn(f"{notes[-1]}: correspondences across them are weak", ComponentsWarning, stacklevel=3)
+    with stages("keypoints"):
+        found = keypoints(points, num_keypoints=options.num_keypoints, radius=options.radius)
+    if found.num_salient == 0:
+        notes.append("no intrinsic shape signatures: all keypoints are farthest-point samples")
+    with stages("matching"):
+        times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)
+        signatures = heat_kernel_signatures(eigen, times)
+        described = signatures[found.index]
+        if options.whitened:
+            described = whiten(described, signatures)
+        # the constant eigenfunction's sign is everybody's
+        signs = sign_vectors(eigen, found.index)[:, 1 : 1 + options.num_signs]
+        num_pairs = options.num_pairs or max(MIN_PAIRS, round(PAIRS_PER_KEYPOINT * len(found.index)))
+        pairs = assign_pairs(sign_penalty_cost(described, signs), num_pairs, symmetric=options.symmetric)
+    if len(pairs) < MIN_PAIRS:
+        raise MatchingError(
+            f"{len(pairs)} mirror pairs among {len(found.index)} keypoints are too few (at least {MIN_PAIRS}): "
+            "raise num_keypoints or num_pairs"
+        )
+    return Correspondences(found.index[pairs], found.spacing, tuple(notes))

@@ -1,0 +1,178 @@
+"""The answer of `symjax.detect`: plane, evidence, and what can be done with them."""
+
+import json
+import os
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from jaxtyping import ArrayLike, Float, Int
+
+from symjax.errors import FileFormatError, InvalidArgumentError
+from symjax.output import replacing
+from symjax.plane import Plane
+from symjax.search import Candidate
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+FORMAT = "symjax detection 1"
+
+
+class Pairs(NamedTuple):
+    """Matched points and how well each pair agrees with the plane.
+
+    Attributes:
+        x: one end of every pair, in the units of the given points.
+        y: the other end.
+        index: rows of the two ends in the given points.
+        weight: L2E weight exp(-f_i / 2σ²) at the plane, between 0 and 1.
+    """
+
+    x: Float[np.ndarray, "m 3"]
+    y: Float[np.ndarray, "m 3"]
+    index: Int[np.ndarray, "m 2"]
+    weight: Float[np.ndarray, "m"]
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """A detected mirror plane. NumPy arrays in float64, in the units of the given points.
+
+    Attributes:
+        plane: the plane `normal · x = offset`, of canonical sign.
+        found: whether `score` exceeds `threshold`.
+        score: mean L2E weight of the pairs at the plane, between 0 and 1.
+        threshold: what the score must exceed: a multiple of what the same pairs give at random planes.
+        candidates: the distinct optima of the restarts, best first; the first is `plane`.
+        pairs: the matched points.
+        inlier_fraction: share of the pairs whose residual is one of a Gaussian of scale σ (95 % of it).
+        converged: whether the solver converged.
+        message: how it ended, a sentence.
+        method: name of the method.
+        sigma: scale σ of the residual as a fraction of `diagonal`.
+        diagonal: length of the diagonal of the cloud's box in its principal frame.
+        seed: the seed given, or None for a generator.
+        num_points: points given.
+        num_used: points used after dropping, merging and thinning.
+        notes: what was done to the points, or found in them, as sentences.
+        timings: seconds of every stage, in order.
+        points: the given points, those that are finite; None in a detection loaded from a file.
+    """
+
+    plane: Plane
+    found: bool
+    score: float
+    threshold: float
+    candidates: tuple[Candidate, ...]
+    pairs: Pairs
+    inlier_fraction: float
+    converged: bool
+    message: str
+    method: str
+    sigma: float
+    diagonal: float
+    seed: int | None
+    num_points: int
+    num_used: int
+    notes: tuple[str, ...]
+    timings: dict[str, float]
+    points: Float[np.ndarray, "n 3"] | None = field(default=None, repr=False)
+
+    def mirror(self, points: Float[ArrayLike, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Mirror images of points in the plane."""
+        return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
+
+    def complete(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "2n 3"]:
+        """The completed object P ∪ Q (Sec. 4.5): the points, by default those given, and their mirror images.
+
+        Raises:
+            InvalidArgumentError: neither passed nor kept.
+        """
+        if points is None:
+            points = self.points
+        if points is None:
+            raise InvalidArgumentError("this detection was loaded without its points: pass them")
+        points = np.asarray(points, dtype=float)
+        return np.concatenate([points, self.mirror(points)])
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> "Figure":
+        """Interactive picture; with a path, also written there as one self-contained HTML page."""
+        from symjax import plot
+
+        if path is not None:
+            plot.write_html(self, path)
+        return plot.figure(self)
+
+    def picture(self, path: str | os.PathLike[str]) -> None:
+        """Writes a PNG of cloud, plane and pairs beside the completed object."""
+        from symjax.picture import write_png
+
+        write_png(self, path)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the points, as numbers, strings, lists and dictionaries that JSON holds."""
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "points"}
+        return {"format": FORMAT, **_plain(values)}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes `to_dict()` as JSON; `symjax.load` reads it back, without the points."""
+        with replacing(path) as temporary:
+            temporary.write_text(json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None = None) -> Detection:
+    """Reads what `Detection.save` wrote.
+
+    Args:
+        path: the JSON file.
+        points: the cloud, for `plot`, `picture` and `complete`; it is not in the file.
+
+    Raises:
+        FileFormatError: missing, unreadable, or no detection.
+    """
+    try:
+        values = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileFormatError(f"cannot read {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise FileFormatError(f"{path} is not JSON: {error}") from error
+    if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
+        raise FileFormatError(f"{path} was not written by Detection.save (no {FORMAT!r})")
+    try:
+        pairs = values.pop("pairs")
+        return Detection(
+            plane=_plane(values.pop("plane")),
+            candidates=tuple(
+                Candidate(_plane(c["plane"]), float(c["loss"]), float(c["score"])) for c in values.pop("candidates")
+            ),
+            pairs=Pairs(
+                np.array(pairs["x"], dtype=float).reshape(-1, 3),
+                np.array(pairs["y"], dtype=float).reshape(-1, 3),
+                np.array(pairs["index"], dtype=np.int64).reshape(-1, 2),
+                np.array(pairs["weight"], dtype=float),
+            ),
+            notes=tuple(values.pop("notes")),
+            points=None if points is None else np.asarray(points, dtype=float),
+            **values,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileFormatError(f"{path} is no complete detection: {error}") from error
+
+
+def _plane(values: dict[str, Any]) -> Plane:
+    return Plane(np.array(values["normal"], dtype=float).reshape(3), np.float64(values["offset"]))
+
+
+def _plain(value: Any) -> Any:
+    """NumPy and named tuples as what JSON knows."""
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return _plain(value._asdict())
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return value

@@ -1,0 +1,176 @@
+"""The plane of matched pairs: starts of the estimator, the distinct optima they reach, and a score to compare with."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from symjax import initial, sphere
+from symjax.fit import Fit, sweep
+from symjax.objective import l2e_weights
+from symjax.plane import Plane
+
+BUCKET = 128
+"""Pairs are padded to a multiple of this by pairs of zero weight, so that few sizes are compiled."""
+
+SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
+"""Planes nearer than this (degrees, units of the points) are one optimum."""
+
+NUM_RANDOM_PLANES = 1024
+RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.5
+"""The score to exceed is 3.5 times the 0.95 quantile of the scores of random planes."""
+
+
+class Candidate(NamedTuple):
+    """One distinct optimum of the restarts.
+
+    Attributes:
+        plane: the plane, in the units of the points.
+        loss: L2E loss there, in inverse cubed units of the cloud's diagonal; lower is better.
+        score: mean L2E weight of the pairs there, between 0 and 1.
+    """
+
+    plane: Plane
+    loss: float
+    score: float
+
+
+class Search(NamedTuple):
+    """What a search found.
+
+    Attributes:
+        candidates: the distinct optima, the converged first, then by loss.
+        weight: L2E weights of the pairs at the first of them.
+        threshold: the score that the first should exceed.
+        converged: whether the solver converged to the first.
+        message: how it ended there, a sentence.
+    """
+
+    candidates: tuple[Candidate, ...]
+    weight: Float[np.ndarray, "m"]
+    threshold: float
+    converged: bool
+    message: str
+
+
+class _Padded(NamedTuple):
+    """The pairs, padded by pairs of weight 0; the real ones have weight 1."""
+
+    x: Float[np.ndarray, "b 3"]
+    y: Float[np.ndarray, "b 3"]
+    weights: Float[np.ndarray, "b"]
+
+
+def search(
+    x: Float[np.ndarray, "m 3"],
+    y: Float[np.ndarray, "m 3"],
+    sigma: float,
+    *,
+    restarts: int,
+    solver: str,
+    rng: np.random.Generator,
+) -> Search:
+    """Fits the plane of putative pairs from several starts, in float64.
+
+    Args:
+        x: one end of every pair, in units of the cloud's diagonal about its mean.
+        y: the other end.
+        sigma: scale σ of the residual, in the same units.
+        restarts: number of starts: the robust Grassmann average of the paper first, then the principal direction,
+            the least-squares plane, the planes of the best single pairs, and even directions.
+        solver: see `fit_plane`.
+        rng: draws the random planes.
+    """
+    pairs = _padded(x, y)
+    with jax.enable_x64(True):
+        fits = sweep(pairs.x, pairs.y, [sigma], _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver)
+        candidates, first = _distinct(fits, pairs, sigma)
+        weight = _weights(jax.tree.map(lambda leaf: leaf[None], candidates[0].plane), sigma, pairs)[0, : len(x)]
+        threshold = FOUND_FACTOR * float(np.quantile(_scores(_random_planes(x, y, rng), sigma, pairs), RANDOM_QUANTILE))
+        return Search(candidates, weight, threshold, bool(first.converged), str(first.message))
+
+
+def _padded(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"]) -> _Padded:
+    extra = -len(x) % BUCKET
+    ends = (np.pad(end, ((0, extra), (0, 0))) for end in (x, y))
+    return _Padded(*ends, np.pad(np.ones(len(x)), (0, extra)))
+
+
+def _starts(pairs: _Padded, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
+    """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
+    named = np.asarray(_named_starts(pairs))[:restarts]
+    voted = _pair_normals(pairs, sigma, (restarts - len(named)) // 2)
+    even = np.asarray(sphere.fibonacci(max(restarts - len(named) - len(voted), 1)))
+    return np.concatenate([named, voted, even])[:restarts]
+
+
+@jax.jit
+def _named_starts(pairs: _Padded) -> Float[Array, "3 3"]:
+    x, y, weights = pairs
+    rga = initial.rga_normal(x, y, weights=weights)
+    pca = initial.pca_normal(x, y, weights=weights)
+    return jnp.stack([rga, pca, initial.l2_plane(x, y, weights).normal])
+
+
+def _pair_normals(pairs: _Padded, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
+    """Normals of the planes that single pairs define, the best supported first, no two alike."""
+    step = pairs.y - pairs.x
+    length = np.linalg.norm(step, axis=1, keepdims=True)
+    normals = step / np.where(length > 0, length, 1.0)
+    planes = Plane(normals, (normals * (pairs.x + pairs.y) / 2).sum(axis=1))
+    order = np.argsort(-_scores(planes, sigma, pairs), kind="stable")
+    return normals[_suppressed(planes, order[pairs.weights[order] > 0], most)]
+
+
+def _distinct(fits: Fit, pairs: _Padded, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
+    """The distinct optima of a sweep over starts, the converged first, then by loss; and the best one's fit."""
+    row = jax.tree.map(lambda leaf: leaf[0], fits)
+    loss = np.asarray(row.loss)
+    planes = Plane(np.asarray(row.plane.normal), np.asarray(row.plane.offset))
+    kept = _suppressed(planes, np.lexsort((loss, ~np.asarray(row.converged))), len(loss))
+    scores = _scores(planes, sigma, pairs)
+    candidates = tuple(
+        Candidate(Plane(planes.normal[i], planes.offset[i]), float(loss[i]), float(scores[i])) for i in kept
+    )
+    return candidates, jax.tree.map(lambda leaf: leaf[kept[0]], row)
+
+
+def _suppressed(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
+    """Rows in the given order, at most so many, without those near one already taken."""
+    kept: list[int] = []
+    for i in order:
+        if len(kept) == most:
+            break
+        near = Plane(planes.normal[kept], planes.offset[kept])
+        sign = np.where(near.normal @ planes.normal[i] < 0, -1.0, 1.0)
+        angle = near.angle(Plane(planes.normal[i], planes.offset[i]))
+        same = (angle < SAME_ANGLE) & (np.abs(near.offset - sign * planes.offset[i]) < SAME_OFFSET)
+        if not same.any():
+            kept.append(int(i))
+    return np.asarray(kept, dtype=int)
+
+
+def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng: np.random.Generator) -> Plane:
+    """Planes of even direction through random pairs' mid-points."""
+    normals = rng.normal(size=(NUM_RANDOM_PLANES, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    row = rng.integers(len(x), size=NUM_RANDOM_PLANES)
+    return Plane(normals, (normals * (x[row] + y[row]) / 2).sum(axis=1))
+
+
+def _weights(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p b"]:
+    return np.asarray(_all_weights(planes, sigma, pairs))
+
+
+@jax.jit
+def _all_weights(planes: Plane, sigma: float, pairs: _Padded) -> Float[Array, "p b"]:
+    """L2E weight of every pair at every plane; zero for padding."""
+    weigh = jax.vmap(l2e_weights, (0, 0, None, None, None))
+    return weigh(planes.normal, planes.offset, sigma, pairs.x, pairs.y) * pairs.weights[None, :]
+
+
+def _scores(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p"]:
+    """Mean L2E weight of the real pairs at every plane."""
+    return _weights(planes, sigma, pairs).sum(axis=1) / pairs.weights.sum()

@@ -1,0 +1,58 @@
+"""Keypoints sit where the surface turns in three directions, cover the cloud, and move with it."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from symjax.keypoints import farthest_points, keypoints, shape_signatures
+
+
+def box(rng, num_points=4_000):
+    """Surface of a box of unit diagonal, whose corners are its only salient points."""
+    points = rng.uniform(-1, 1, size=(num_points, 3))
+    axis = rng.integers(3, size=num_points)
+    points[np.arange(num_points), axis] = rng.choice([-1.0, 1.0], size=num_points)
+    sides = np.array([1.0, 1.2, 1.5])
+    return points * sides / (2 * np.linalg.norm(sides))
+
+
+def test_signatures_sit_on_the_edges_of_a_box_and_at_all_its_corners(rng):
+    points = box(rng)
+    sides = np.abs(points).max(axis=0)
+    corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * sides
+    found = points[shape_signatures(points, radius=0.1)]
+    assert cKDTree(found).query(corners)[0].max() < 0.06
+    at_side = (sides - np.abs(found) < 0.06).sum(axis=1)
+    assert (at_side >= 2).mean() > 0.9
+
+
+def test_keypoints_are_equivariant(rng):
+    points = box(rng, 2_000)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    order = rng.permutation(len(points))
+    there = keypoints(points, num_keypoints=200)
+    back = keypoints((points @ turn.T)[order], num_keypoints=200)
+    assert set(order[back.index]) == set(there.index)
+    assert back.num_salient == there.num_salient > 0
+
+
+def test_keypoints_cover_the_cloud_better_than_random_ones(rng):
+    points = box(rng)
+    found = keypoints(points, num_keypoints=200)
+    assert len(set(found.index)) == 200
+    distance = cKDTree(points[found.index]).query(points)[0]
+    np.testing.assert_allclose(np.sqrt((distance**2).mean()), found.spacing, rtol=1e-12)
+    random = cKDTree(points[rng.choice(len(points), 200, replace=False)]).query(points)[0]
+    assert distance.max() < 0.7 * random.max()
+
+
+def test_farthest_points_are_each_the_farthest_left(rng):
+    points = rng.normal(size=(300, 3))
+    index, squared = farthest_points(points, 20)
+    for taken in range(1, 20):
+        distance = cKDTree(points[index[:taken]]).query(points)[0]
+        assert distance[index[taken]] == distance.max()
+    np.testing.assert_allclose(np.sqrt(squared), cKDTree(points[index]).query(points)[0], atol=1e-12)
+
+
+def test_few_points_are_all_keypoints(rng):
+    assert len(keypoints(rng.normal(size=(60, 3)), num_keypoints=500).index) == 60
