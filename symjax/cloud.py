@@ -34,14 +34,16 @@ FAR_FOR_FLOAT32 = 1e5
 
 
 class Cloud(NamedTuple):
-    """Points in units of their diagonal about their mean, and the way back.
+    """Points in their own frame, in units of their diagonal, in an order of their own; and the way back.
 
-    The diagonal is that of the box in the cloud's principal frame: unlike the box along the axes it does not
-    change when the cloud turns.
+    The frame is the principal one about the mean, each axis turned to where the points reach further (the sign of the
+    third moment). A cloud that was turned, mirrored, moved, scaled or shuffled comes out as the same numbers but for
+    rounding, and so do all answers: a triangulation of overlapping stars, for one, depends on the order of its points.
 
     Attributes:
-        points: normalised points; the given ones are `centre + diagonal * points`.
+        points: the points, sorted along the first axis; the given ones are `centre + diagonal * points @ frame.T`.
         index: their row in the given array.
+        frame: orthonormal axes in columns, of either handedness.
         centre: mean of the given points.
         diagonal: length of the principal box's diagonal, in the given units.
         num_given: rows of the given array.
@@ -50,6 +52,7 @@ class Cloud(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     index: Int[np.ndarray, "n"]
+    frame: Float[np.ndarray, "3 3"]
     centre: Float[np.ndarray, "3"]
     diagonal: float
     num_given: int
@@ -103,26 +106,19 @@ def prepare(
         raise DegenerateCloudError(f"the {len(index)} points lie on one line: no mirror plane is defined")
     if singular[2] < FLAT * singular[0]:
         notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
-    in_frame = unit @ frame
-    diagonal = float(np.linalg.norm(np.ptp(in_frame, axis=0)))
-    in_frame /= diagonal
+    own = unit @ frame
+    frame = frame * np.where((own**3).sum(axis=0) < 0, -1.0, 1.0)
+    own = unit @ frame
+    diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
+    own /= diagonal
 
-    keep = _thin(in_frame, max_points) if len(in_frame) > max_points else np.arange(len(in_frame))
-    if len(keep) < len(in_frame):
-        notes.append(f"thinned from {len(in_frame)} to {len(keep)} points on a grid")
-    distinct = _first_of_each(np.round(in_frame[keep] / COINCIDENT).astype(np.int64))
-    merged = len(keep) - len(distinct)
-    if merged:
-        notes.append(f"{merged} points coincide with others and were merged")
-        if 100 * merged > PERCENT_WORTH_A_WARNING * len(keep):
-            warnings.warn(
-                f"{merged} of {len(keep)} points coincide with others and were merged",
-                DuplicatePointsWarning,
-                stacklevel=3,
-            )
-    keep = keep[distinct]
-    _require(len(keep), "distinct points")
-    return Cloud(unit[keep] / diagonal, index[keep], centre, diagonal * extent, len(given), tuple(notes))
+    rows = np.argsort(own[:, 0], kind="stable")
+    if len(rows) > max_points:
+        rows = rows[_thin(own[rows], max_points)]
+        notes.append(f"thinned from {len(own)} to {len(rows)} points on a grid")
+    rows = rows[_merge(own[rows], notes)]
+    _require(len(rows), "distinct points")
+    return Cloud(own[rows], index[rows], frame, centre, diagonal * extent, len(given), tuple(notes))
 
 
 def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
@@ -216,8 +212,14 @@ def _cells(points: Float[np.ndarray, "n 3"], size: float) -> Int[np.ndarray, "n"
     return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
 
 
-def _first_of_each(keys: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, "m"]:
-    """Rows that are the first of their kind, in order."""
+def _merge(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarray, "m"]:
+    """Rows of the distinct points, in order."""
+    keys = np.round(points / COINCIDENT).astype(np.int64)
     order = np.lexsort((np.arange(len(keys)), keys[:, 2], keys[:, 1], keys[:, 0]))
     new = np.r_[True, (np.diff(keys[order], axis=0) != 0).any(axis=1)]
+    merged = int(np.count_nonzero(~new))
+    if merged:
+        notes.append(f"{merged} of {len(points)} points coincide with others and were merged")
+    if 100 * merged > PERCENT_WORTH_A_WARNING * len(points):
+        warnings.warn(notes[-1], DuplicatePointsWarning, stacklevel=4)
     return np.sort(order[new])

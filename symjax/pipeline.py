@@ -86,7 +86,7 @@ def detect(
     with stages("preparing"):
         cloud = prepare(points, nonfinite=nonfinite, max_points=max_points)
         given = as_points(points)
-        normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.index]
+        normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.index] @ cloud.frame
     matches = sym_hks(cloud.points, normals=normals, options=options, stages=stages)
     sigma = SIGMA_SPACINGS * matches.spacing if sigma is None else float(sigma)
     with stages("fitting"):
@@ -130,4 +130,5 @@ def _checked_normals(normals: ArrayLike, shape: tuple[int, ...]) -> Float[np.nda
 
 
 def _in_given_units(plane: Plane, cloud: Cloud) -> Plane:
-    return Plane(plane.normal, plane.normal @ cloud.centre + cloud.diagonal * plane.offset)
+    normal = cloud.frame @ plane.normal
+    return Plane(normal, normal @ cloud.centre + cloud.diagonal * plane.offset).canonical()

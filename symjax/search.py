@@ -101,8 +101,10 @@ def _padded(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"]) -> _Padded
 def _starts(pairs: _Padded, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
     """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
     named = np.asarray(_named_starts(pairs))[:restarts]
-    voted = _pair_normals(pairs, sigma, (restarts - len(named)) // 2)
-    even = np.asarray(sphere.fibonacci(max(restarts - len(named) - len(voted), 1)))
+    half = (restarts - len(named)) // 2
+    # always as many of each, since every number of directions is compiled anew
+    voted = np.concatenate([_pair_normals(pairs, sigma, half), sphere.fibonacci(max(half, 1))])[:half]
+    even = np.asarray(sphere.fibonacci(max(restarts - len(named) - half, 1)))
     return np.concatenate([named, voted, even])[:restarts]
 
 

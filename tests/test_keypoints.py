@@ -21,8 +21,8 @@ def test_signatures_sit_on_the_edges_of_a_box_and_at_all_its_corners(rng):
     corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * sides
     found = points[shape_signatures(points, radius=0.1)]
     assert cKDTree(found).query(corners)[0].max() < 0.06
-    at_side = (sides - np.abs(found) < 0.06).sum(axis=1)
-    assert (at_side >= 2).mean() > 0.9
+    at_side = (sides - np.abs(found[:50]) < 0.06).sum(axis=1)
+    assert (at_side >= 2).all()
 
 
 def test_keypoints_are_equivariant(rng):
