@@ -19,8 +19,8 @@ SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
 """Planes nearer than this (degrees, units of the points) are one optimum."""
 
 NUM_RANDOM_PLANES = 1024
-RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.5
-"""The score to exceed is 3.5 times the 0.95 quantile of the scores of random planes."""
+RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.0
+"""The score to exceed is 3 times the 0.95 quantile of the scores of random planes."""
 
 
 class Candidate(NamedTuple):

@@ -1,0 +1,75 @@
+"""A demonstration on a scan made here: nothing is downloaded, and the true plane is known."""
+
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from symjax import metrics, report, samples
+from symjax.detection import Detection
+from symjax.pipeline import detect
+from symjax.plane import Plane
+
+KIND = "quadruped"
+NUM_POINTS = 6000
+MISSING = 0.15
+"""Share of the surface that the scan lacks, one connected part."""
+NOISE = 0.002
+"""Standard deviation of the noise in each coordinate, as a fraction of the diagonal."""
+OUTLIERS = 0.0
+"""Stray points for each point of the surface: heat flows through them, and `sym-hks` takes few."""
+FILES = ("demo.html", "demo.png")
+
+
+class Scan(NamedTuple):
+    """A partial, noisy cloud and the mirror plane of the object that it was taken from."""
+
+    points: Float[np.ndarray, "n 3"]
+    truth: Plane
+
+
+def make_scan(seed: int) -> Scan:
+    """A random object in a random pose, with a part missing, noise and stray points; its seed repeats it."""
+    rng = np.random.default_rng(seed)
+    whole = samples.pose(samples.generate(KIND, num_points=NUM_POINTS, rng=rng), rng)
+    corrupted = samples.corrupt(whole.points, rng, missing=MISSING, noise=NOISE, outliers=OUTLIERS)
+    truth = Plane(whole.normals[0], whole.offsets[0])
+    return Scan(corrupted.points, truth)
+
+
+def run(folder: Path, *, seed: int = 0, progress: Callable[[str], None]) -> list[str]:
+    """Make the scan, find its plane, and write demo.html and demo.png into a folder.
+
+    Args:
+        folder: an existing folder.
+        seed: of the object, its scan and the detection.
+        progress: called with the name of every stage as it begins.
+
+    Returns:
+        What to tell a person, line by line.
+    """
+    start = perf_counter()
+    progress("making a scan")
+    scan = make_scan(seed)
+    detection = detect(scan.points, rng=seed, progress=progress)
+    page, picture = (folder / name for name in FILES)
+    progress(f"writing {page}")
+    detection.plot(page)
+    progress(f"writing {picture}")
+    detection.picture(picture)
+    return [
+        f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size, "
+        f"{OUTLIERS:.0%} stray points; seed {seed}.",
+        *report.lines(detection),
+        _comparison(detection, scan),
+        f"Written in {perf_counter() - start:.1f} s in all: {page} (interactive, open it in a browser), {picture}",
+    ]
+
+
+def _comparison(detection: Detection, scan: Scan) -> str:
+    angle = float(metrics.deviation_angle(detection.plane.normal, scan.truth.normal))
+    offset = float(metrics.offset_error(detection.plane, scan.truth, scan.points.mean(axis=0), detection.diagonal))
+    return f"{'error':<10}{angle:.2f} degrees and {offset:.2%} of the diagonal from the true plane"

@@ -1,0 +1,52 @@
+"""Derivatives of a minimiser on a manifold, by the implicit function theorem."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PyTree
+
+from symjax.sphere import Manifold
+
+Objective = Callable[[Float[Array, "d"], PyTree], Float[Array, ""]]
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def implicit_point(fun: Objective, manifold: Manifold, z: Float[Array, "d"], theta: PyTree) -> Float[Array, "d"]:
+    """Returns z, with the derivative in theta that a minimiser of `fun(·, theta)` has.
+
+    At a minimum the gradient G in the tangent chart t ↦ R_z(B t) is zero whatever theta is, so
+    dt = −H⁻¹ ∂_θG dθ and dz = B dt: one small solve with the chart's Hessian H. Because the rule is a linear
+    jvp it is transposed for reverse mode, and because it calls itself it can be differentiated again.
+
+    Args:
+        fun: the function that z minimises; `fun(z, theta)`.
+        manifold: the manifold it is minimised on.
+        z: a minimiser; its own derivative is discarded (an answer does not depend on its start).
+        theta: parameters of the problem.
+
+    Returns:
+        z.
+    """
+    del fun, manifold, theta
+    return z
+
+
+@implicit_point.defjvp
+@jax.default_matmul_precision("highest")
+def _implicit_point_jvp(
+    fun: Objective, manifold: Manifold, primals: tuple[Any, Any], tangents: tuple[Any, Any]
+) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
+    (z, theta), (_, theta_dot) = primals, tangents
+    z = implicit_point(fun, manifold, z, theta)
+    basis = manifold.basis(z)
+
+    def chart(t: Float[Array, "k"], theta: PyTree) -> Float[Array, ""]:
+        return fun(manifold.retract(z, basis @ t), theta)
+
+    origin = jnp.zeros(basis.shape[1], z.dtype)
+    hessian = jax.hessian(chart)(origin, theta)
+    _, gradient_dot = jax.jvp(lambda theta: jax.grad(chart)(origin, theta), (theta,), (theta_dot,))
+    return z, -basis @ jnp.linalg.solve(hessian, gradient_dot)

@@ -1,0 +1,215 @@
+"""Primitive solids as signed distance functions: negative inside, zero on the surface, positive outside.
+
+A `Field` takes coordinates first, shape (3, n), so that `p[0]`, `p[1]`, `p[2]` are contiguous. |f| is at
+most `surface.LIPSCHITZ` times the distance to the surface, which is what the sampler needs to know. The formulas
+are the textbook ones; Quilez, "Distance functions" (iquilezles.org), collects them.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+Field = Callable[[Float[np.ndarray, "3 n"]], Float[np.ndarray, "n"]]
+Vector = Sequence[float] | Float[np.ndarray, "3"]
+
+
+def _column(vector: Vector) -> Float[np.ndarray, "3 1"]:
+    return np.asarray(vector, dtype=float).reshape(3, 1)
+
+
+def _norm(*components: np.ndarray) -> np.ndarray:
+    return np.sqrt(sum(c * c for c in components))
+
+
+def _along(start: Vector, end: Vector) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, float]]:
+    """Height above `start` along the segment, distance from its line, and its length."""
+    a = _column(start)
+    axis = _column(end) - a
+    length = float(np.linalg.norm(axis))
+    axis = axis / length
+
+    def split(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        q = p - a
+        height = axis[0, 0] * q[0] + axis[1, 0] * q[1] + axis[2, 0] * q[2]
+        return height, _norm(*(q - axis * height)), length
+
+    return split
+
+
+def sphere(centre: Vector, radius: float) -> Field:
+    """Ball."""
+    c = _column(centre)
+    return lambda p: _norm(*(p - c)) - radius
+
+
+def ellipsoid(centre: Vector, radii: Vector) -> Field:
+    """Ellipsoid along the axes: not the distance, and on the surface equal to it with its gradient.
+
+    With k = |x/r|, the first-order distance is (k - 1) / |∇k|. As k is convex that is a lower bound outside,
+    but inside it is too large by the ratio of the axes: there the length 1/|∇k| goes over to the least
+    radius, and the value is kept above minus that radius.
+    """
+    c, r = _column(centre), _column(radii)
+    least = float(r.min())
+
+    def field(p: np.ndarray) -> np.ndarray:
+        q = (p - c) / r
+        k = _norm(*q)
+        length = k / np.maximum(_norm(*(q / r)), 1e-12)
+        inward = least + np.minimum(k, 1) ** 4 * (length - least)
+        return np.maximum((k - 1) * np.where(k < 1, inward, length), -least)
+
+    return field
+
+
+def box(centre: Vector, half: Vector, rounding: float = 0.0) -> Field:
+    """Box of half-sizes `half` along the axes, its edges rounded inside them by `rounding`."""
+    c, inner = _column(centre), _column(half) - rounding
+
+    def field(p: np.ndarray) -> np.ndarray:
+        q = np.abs(p - c) - inner
+        outside = np.maximum(q, 0)
+        return _norm(*outside) + np.minimum(q.max(axis=0), 0) - rounding
+
+    return field
+
+
+def capsule(start: Vector, end: Vector, radius: float, end_radius: float | None = None) -> Field:
+    """Ball of `radius` swept from `start` to `end` while its radius grows or shrinks to `end_radius`."""
+    final = radius if end_radius is None else end_radius
+    split = _along(start, end)
+
+    def field(p: np.ndarray) -> np.ndarray:
+        height, radial, length = split(p)
+        sine = (radius - final) / length
+        cosine = np.sqrt(1 - sine * sine)
+        # the side is a cone; `reach` is the place along it from which the surface is seen at a right angle
+        reach = np.clip((height * cosine - radial * sine) / (cosine * length), 0, 1)
+        return _norm(height - reach * length, radial) - (radius + reach * (final - radius))
+
+    return field
+
+
+def cylinder(start: Vector, end: Vector, radius: float, rounding: float = 0.0) -> Field:
+    """Capped cylinder, its rims rounded inside it by `rounding`."""
+    split = _along(start, end)
+
+    def field(p: np.ndarray) -> np.ndarray:
+        height, radial, length = split(p)
+        beyond = np.abs(height - length / 2) - length / 2 + rounding
+        sideways = radial - radius + rounding
+        corner = _norm(np.maximum(beyond, 0), np.maximum(sideways, 0))
+        return corner + np.minimum(np.maximum(beyond, sideways), 0) - rounding
+
+    return field
+
+
+def frustum(start: Vector, end: Vector, radius: float, end_radius: float) -> Field:
+    """Capped cone with flat ends; one of the radii may be zero."""
+    split = _along(start, end)
+
+    def field(p: np.ndarray) -> np.ndarray:
+        height, radial, length = split(p)
+        outline = [(-1.0, 0.0), (radius, 0.0), (end_radius, length), (-1.0, length)]
+        return polygon_distance(radial, height, np.array(outline))
+
+    return field
+
+
+def torus(centre: Vector, axis: Vector, major: float, minor: float) -> Field:
+    """Ring of tube radius `minor` around the circle of radius `major` about `axis`."""
+    split = _along(centre, np.asarray(centre, dtype=float) + np.asarray(axis, dtype=float))
+
+    def field(p: np.ndarray) -> np.ndarray:
+        height, radial, _ = split(p)
+        return _norm(radial - major, height) - minor
+
+    return field
+
+
+def tube(knots: Float[np.ndarray, "k 3"], radii: Float[np.ndarray, "k"] | float) -> Field:
+    """Chain of capsules through the knots."""
+    knots = np.asarray(knots, dtype=float)
+    r = np.broadcast_to(np.asarray(radii, dtype=float), len(knots))
+    links = [capsule(knots[i], knots[i + 1], r[i], r[i + 1]) for i in range(len(knots) - 1)]
+
+    def field(p: np.ndarray) -> np.ndarray:
+        distance = links[0](p)
+        for link in links[1:]:
+            np.minimum(distance, link(p), out=distance)
+        return distance
+
+    return field
+
+
+def arc(centre: Vector, middle: Vector, side: Vector, radius: float, minor: float, half_angle: float) -> Field:
+    """Tube of radius `minor` along a circular arc, `half_angle` radians to either side of `middle`.
+
+    `middle` and `side` are orthogonal unit vectors that span the plane of the arc.
+    """
+    c, u, v = _column(centre), _column(middle), _column(side)
+    w = np.cross(u[:, 0], v[:, 0]).reshape(3, 1)
+
+    def field(p: np.ndarray) -> np.ndarray:
+        q = p - c
+        x, y, z = (u * q).sum(axis=0), (v * q).sum(axis=0), (w * q).sum(axis=0)
+        angle = np.clip(np.arctan2(np.abs(y), x), 0, half_angle)
+        return _norm(x - radius * np.cos(angle), np.abs(y) - radius * np.sin(angle), z) - minor
+
+    return field
+
+
+def halfspace(normal: Vector, offset: float) -> Field:
+    """The side of the plane `normal . x = offset` that the normal points away from."""
+    n = np.asarray(normal, dtype=float)
+    n = n / np.linalg.norm(n)
+    return lambda p: n[0] * p[0] + n[1] * p[1] + n[2] * p[2] - offset
+
+
+def polygon_distance(
+    x: Float[np.ndarray, "n"], y: Float[np.ndarray, "n"], corners: Float[np.ndarray, "k 2"]
+) -> Float[np.ndarray, "n"]:
+    """Signed distance in the plane to a simple polygon, by its nearest edge and the parity of crossings."""
+    squared = np.full(np.shape(x), np.inf)
+    inside = np.zeros(np.shape(x), dtype=bool)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        ex, ey = bx - ax, by - ay
+        if ex == 0 and ey == 0:
+            continue
+        qx, qy = x - ax, y - ay
+        t = np.clip((qx * ex + qy * ey) / (ex * ex + ey * ey), 0, 1)
+        np.minimum(squared, (qx - t * ex) ** 2 + (qy - t * ey) ** 2, out=squared)
+        if ey != 0:
+            inside ^= ((ay > y) != (by > y)) & (qx < ex * (qy / ey))
+    return np.where(inside, -1, 1) * np.sqrt(squared)
+
+
+def plate(
+    corners: Float[np.ndarray, "k 2"], plane: tuple[int, int], level: float, thickness: float, rounding: float = 0.0
+) -> Field:
+    """Polygon in two coordinates, swept `thickness` to either side of `level` of the third.
+
+    Rounding shrinks the polygon's edges and adds a rounded rim again, so that sizes hold.
+    """
+    u, v = plane
+    w = 3 - u - v
+    outline = np.asarray(corners, dtype=float)
+
+    def field(p: np.ndarray) -> np.ndarray:
+        flat = polygon_distance(p[u], p[v], outline) + rounding
+        across = np.abs(p[w] - level) - thickness + rounding
+        corner = _norm(np.maximum(flat, 0), np.maximum(across, 0))
+        return corner + np.minimum(np.maximum(flat, across), 0) - rounding
+
+    return field
+
+
+def lathe(profile: Float[np.ndarray, "k 2"]) -> Field:
+    """Solid of revolution about z; `profile` runs from the axis at one end to the axis at the other, as (r, z).
+
+    The closing edge is put at r = -1: an edge on the axis itself would be a zero inside the solid.
+    """
+    outline = np.asarray(profile, dtype=float)
+    closed = np.vstack([[-1.0, outline[0, 1]], outline, [-1.0, outline[-1, 1]]])
+    return lambda p: polygon_distance(_norm(p[0], p[1]), p[2], closed)

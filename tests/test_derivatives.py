@@ -1,0 +1,80 @@
+"""The derivatives of the answer, by the implicit function theorem, through the public functions."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from symjax.fit import best, fit_plane, sweep
+from symjax.planted import planted_pairs
+
+
+@pytest.fixture(scope="module")
+def smooth():
+    p = planted_pairs(np.random.default_rng(5), 30, 0.4, noise=0.03)
+    w = np.random.default_rng(6).uniform(0.5, 1.5, 30)
+    return tuple(map(jnp.asarray, (p.x, p.y, 0.1, w)))
+
+
+def outputs(v0, x, y, sigma, weights):
+    fit = fit_plane(x, y, sigma, v0, weights=weights)
+    return jnp.concatenate([fit.plane.normal, fit.plane.offset[None], fit.loss[None]])
+
+
+@pytest.fixture(scope="module")
+def v0(smooth):
+    x, y, sigma, weights = smooth
+    return fit_plane(x, y, sigma, weights=weights).plane.normal
+
+
+@pytest.fixture(scope="module")
+def answer(v0):
+    return jax.jit(partial(outputs, v0))
+
+
+def test_derivatives_are_those_of_central_differences(smooth, answer):
+    key = jax.random.split(jax.random.key(0), 4)
+    tangents = tuple(jax.random.normal(k, a.shape) * jnp.mean(jnp.abs(a)) for k, a in zip(key, smooth, strict=True))
+    forward = jax.jit(lambda *t: jax.jvp(answer, smooth, t)[1])
+    reverse = jax.jit(jax.jacrev(answer, argnums=(0, 1, 2, 3)))(*smooth)
+    for k in range(4):  # x, y, sigma and weights one at a time
+        tangent = tuple(t if k == j else jnp.zeros_like(t) for j, t in enumerate(tangents))
+        step = 1e-5
+        high, low = (answer(*(a + s * t for a, t in zip(smooth, tangent, strict=True))) for s in (step, -step))
+        expected = np.asarray((high - low) / (2 * step))
+        scale = np.maximum(np.abs(expected), np.linalg.norm(expected[:4]))
+        by_jvp = forward(*tangent)
+        assert (np.abs(by_jvp - expected) <= 1e-6 * scale).all()
+        by_vjp = jnp.sum(reverse[k] * tangent[k][None], axis=tuple(range(1, reverse[k].ndim)))
+        np.testing.assert_allclose(by_vjp, by_jvp, atol=1e-10 * scale.max())
+
+
+def test_derivatives_ignore_the_start_and_its_sign(smooth, v0):
+    x, y, sigma, weights = smooth
+    slope = jax.jit(jax.grad(lambda x, v0: fit_plane(x, y, sigma, v0, weights=weights).plane.offset, argnums=(0, 1)))
+    by_x, by_start = slope(x, v0)
+    np.testing.assert_array_equal(by_start, 0)
+    np.testing.assert_allclose(slope(x, -v0)[0], by_x, atol=1e-9)
+    assert jnp.abs(by_x).max() > 0
+
+
+def test_gradients_go_through_vmap_and_sweeps(smooth, v0):
+    x, y, sigma, weights = smooth
+
+    def offset(x, v0):
+        return fit_plane(x, y, sigma, v0, weights=weights).plane.offset
+
+    alone = jax.jit(jax.grad(offset))
+    xs = jnp.stack([x, x + 0.01, x * 1.01])
+    together = jax.jit(jax.vmap(jax.grad(offset), (0, None)))(xs, v0)
+    for k in range(3):
+        np.testing.assert_allclose(together[k], alone(xs[k], v0), atol=1e-9)
+
+    @jax.jit
+    @jax.grad
+    def swept(x):
+        return best(sweep(x, y, sigma[None], v0[None], weights=weights)).plane.offset[0]
+
+    np.testing.assert_allclose(swept(x), alone(x, v0), atol=1e-9)
