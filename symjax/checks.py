@@ -55,18 +55,18 @@ def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[Float[Array, "n 3"], Floa
                     f"{name} has NaN or infinite coordinates in {len(bad)} of {len(end)} rows, the first is "
                     f"row {bad[0]}: drop those pairs from x and y"
                 )
-        ends.append(end)
+        if jnp.issubdtype(end.dtype, jnp.integer):
+            end = end.astype(float)
+        ends.append(jnp.asarray(end))
     if ends[0].shape != ends[1].shape:
         raise InvalidPointsError(
             f"x has shape {ends[0].shape} and y has shape {ends[1].shape}: y[i] is the mirror partner of x[i]"
         )
     if len(ends[0]) < MIN_PAIRS:
         raise TooFewPointsError(f"{len(ends[0])} pairs are too few: a plane takes {MIN_PAIRS} or more")
-    dtype = jnp.result_type(ends[0].dtype, ends[1].dtype)
-    # integers take the default type; a half-precision type cannot hold the exponents
-    default = jnp.float32 if jnp.issubdtype(dtype, jnp.floating) else jnp.result_type(float)
-    dtype = jnp.promote_types(dtype, default)
-    return jnp.asarray(ends[0], dtype), jnp.asarray(ends[1], dtype)
+    # a half-precision type cannot hold the exponents
+    dtype = jnp.result_type(*ends, jnp.float32)
+    return ends[0].astype(dtype), ends[1].astype(dtype)
 
 
 def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Array, "n"]:

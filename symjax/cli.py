@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 BAD_INPUT = 2
 """Exit status for bad files, points and options alike."""
 
+CHECKING = ("reading", "starting JAX", "preparing")
+"""Stages in which input is refused: a plain log begins after them, so that an error stays one line."""
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command `symjax`: errors are one line on stderr and exit status 2."""
@@ -114,7 +117,7 @@ def detect(
 
 
 @commands.command(context_settings={"show_default": True})
-@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, help="Seed of the object and its scan.")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=2, help="Seed of the object and its scan.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", default=Path(), help="Folder to write into.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @_options
@@ -190,9 +193,12 @@ def _one_line_errors(debug: bool) -> Iterator[None]:
 
 @contextmanager
 def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A line on stderr that names the stage at work and the time so far; nothing where stderr is no terminal."""
-    if quiet or not sys.stderr.isatty():
+    """On stderr, the stage at work and the time so far; where stderr is no terminal, a plain line a stage."""
+    if quiet:
         yield lambda stage: None
+        return
+    if not sys.stderr.isatty():
+        yield lambda stage: None if stage in CHECKING else click.echo(f"symjax: {stage} ...", err=True)
         return
     from tqdm import tqdm
 

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
 from symjax.keypoints import NUM_KEYPOINTS, RADIUS, keypoints
-from symjax.matching import assign_pairs, sign_penalty_cost
+from symjax.matching import assign_pairs, possible_pairs, sign_penalty_cost
 from symjax.signatures import (
     NUM_TIMES,
     TimeScale,
@@ -124,8 +124,11 @@ def sym_hks(
             described = whiten(described, signatures)
         # the constant eigenfunction's sign is everybody's
         signs = sign_vectors(eigen, found.index)[:, 1 : 1 + options.num_signs]
-        num_pairs = options.num_pairs or max(MIN_PAIRS, round(PAIRS_PER_KEYPOINT * len(found.index)))
-        pairs = assign_pairs(sign_penalty_cost(described, signs), num_pairs, symmetric=options.symmetric)
+        cost = sign_penalty_cost(described, signs)
+        num_pairs = options.num_pairs
+        if num_pairs is None:
+            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.index)), possible_pairs(cost))
+        pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric)
     if len(pairs) < MIN_PAIRS:
         raise MatchingError(
             f"{len(pairs)} mirror pairs among {len(found.index)} keypoints are too few (at least {MIN_PAIRS}): "

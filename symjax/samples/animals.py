@@ -57,17 +57,21 @@ def head_and_neck(rng: np.random.Generator) -> Field:
 
 def fish(rng: np.random.Generator) -> Solid:
     """Fish, thin across its mirror: body, forked tail, back fin, breast fins, eyes."""
-    w, length, h = rng.uniform(0.12, 0.26), rng.uniform(0.7, 1.0), rng.uniform(0.25, 0.6)
+    w, length, h = rng.uniform(0.12, 0.26), rng.uniform(0.7, 1.0), rng.uniform(0.25, 0.5)
     tail = rng.uniform(0.25, 0.5)
     caudal = np.array([[0.1, 0], [-0.3, tail], [-0.18, 0], [-0.3, -tail * rng.uniform(0.5, 1)]])
     start = rng.uniform(-0.1, 0.4) * length
-    dorsal = np.array([[start, 0.5 * h], [-0.5 * length, 0.4 * h], [start - 0.35, h + rng.uniform(0.1, 0.35)]])
+    dorsal = np.array([[start, 0.4 * h], [-0.5 * length, 0.2 * h], [start - 0.35, h + rng.uniform(0.1, 0.35)]])
     belly = np.array([[0.1, -0.5 * h], [-0.35, -0.5 * h], [-0.3, -h - 0.15]])
     breast = np.array([[0, 0.12], [0.0, -0.08], [0.3, -0.22], [0.35, -0.1]]) * rng.uniform(0.8, 1.5)
     wing = move(plate(breast, (0, 1), 0, 0.025, 0.01), (0.6 * w, 0.35 * length, -0.25 * h))
     parts = [
-        ellipsoid((0, 0.1, 0), (w, length, h)),
-        capsule((0, -0.4, 0), (0, -length - 0.05, 0), 0.7 * w, 0.05),
+        union(
+            ellipsoid((0, 0.4 * length, -0.05), (w, 0.65 * length, h)),
+            ellipsoid((0, -0.3 * length, 0), (0.75 * w, 0.7 * length, 0.5 * h)),
+            blend=0.15,
+        ),
+        capsule((0, -0.4, 0), (0, -length - 0.05, 0), 0.6 * w, 0.05),
         move(plate(caudal, (1, 2), 0, 0.025, 0.01), (0, -length - 0.05, 0)),
         plate(dorsal, (1, 2), 0, 0.025, 0.01),
         plate(belly, (1, 2), 0, 0.025, 0.01),

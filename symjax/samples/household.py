@@ -23,20 +23,20 @@ UP, AHEAD, ASIDE = (0, 0, 1), (0, 1, 0), (1, 0, 0)
 
 def mug(rng: np.random.Generator) -> Solid:
     """Mug: a handle, a pouring lip opposite, and a pair of raised dots."""
-    r, h, flare = rng.uniform(0.35, 0.6), rng.uniform(0.35, 0.7), rng.uniform(0.85, 1.15)
+    r, h, flare = rng.uniform(0.35, 0.55), rng.uniform(0.4, 0.7), rng.uniform(0.85, 1.15)
     wall = rng.uniform(0.05, 0.08)
     hollow = frustum((0, 0, -h + 0.1), (0, 0, h + 0.1), r - wall, r * flare - wall)
-    grip, size = rng.uniform(0.05, 0.08), rng.uniform(0.55, 0.8) * h
+    grip, size = rng.uniform(0.06, 0.09), rng.uniform(0.65, 0.85) * h
     middle = r * (1 + flare) / 2
     body = union(
         frustum((0, 0, -h), (0, 0, h), r, r * flare),
         arc((0, -middle + 0.02, 0), (0, -1, 0), UP, size, grip, np.radians(95)),
         blend=0.04,
     )
-    lip = ellipsoid((0, r * flare, h), (0.1, 0.12, 0.1))
+    lip = ellipsoid((0, r * flare, h), (0.12, 0.18, 0.12))
     angle, level = np.radians(rng.uniform(35, 80)), rng.uniform(-0.4, 0.3) * h
     dot = (middle * np.sin(angle), middle * np.cos(angle), level)
-    return mirrored(cut(union(body, lip, sphere(dot, 0.1), blend=0.02), hollow))
+    return mirrored(cut(union(body, lip, sphere(dot, 0.13), blend=0.02), hollow))
 
 
 def teapot(rng: np.random.Generator) -> Solid:
