@@ -143,16 +143,23 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
         with jax.enable_x64(True):
             frame = _frame(cloud)
             costs = _costs(_from_disc(disc[inside], frame), config.sigma, cloud.x, cloud.y)
-        marks = (("L2 cost", METHODS[2], "red", np.asarray(costs[0])), ("L2E cost −f", METHODS[1], "blue", np.asarray(costs[1])))
+        marks = (
+            ("L2 cost", METHODS[2], "red", np.asarray(costs[0])),
+            ("L2E cost −f", METHODS[1], "blue", np.asarray(costs[1])),
+        )
         for line, (title, method, colour, cost) in enumerate(marks):
             ax = figure.add_subplot(3, columns, 1 + (line + 1) * columns + column)
             image = np.full(len(disc), np.nan)
             image[inside] = cost
-            ax.pcolormesh(ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterized=True)
+            ax.pcolormesh(
+                ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterized=True
+            )
             ax.add_patch(plt.Circle((0, 0), 1, fill=False, color="black", linewidth=0.8))
             for label, normal, face, size in (("true", cloud.normal, "lime", 90), (method, found[method], colour, 45)):
                 ax.scatter(*_onto_disc(normal, frame), s=size, color=face, edgecolor="white", label=label, zorder=3)
-            degrees = next(r["angle"] for r in rows if (r["share"], r["outliers"], r["method"]) == (share, config.place, method))
+            degrees = next(
+                r["angle"] for r in rows if (r["share"], r["outliers"], r["method"]) == (share, config.place, method)
+            )
             ax.set_title(f"{title}: {degrees:.2g}° off", fontsize=9)
             ax.set_aspect("equal")
             ax.axis("off")

@@ -23,7 +23,9 @@ WITHIN = 7.0
 STARTS = METHODS[:2]
 
 # (blob, start, share of outliers) -> share of trials that must be within 7°
-TARGETS = {("thin", STARTS[0], 0.65): 0.95} | {(blob, STARTS[1], share): 0.99 for blob in SEMI_AXES for share in (0.65, 0.8)}
+TARGETS = {("thin", STARTS[0], 0.65): 0.95} | {
+    (blob, STARTS[1], share): 0.99 for blob in SEMI_AXES for share in (0.65, 0.8)
+}
 EXACT_ANGLE, EXACT_OFFSET = 1e-6, 1e-9
 
 

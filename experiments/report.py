@@ -66,9 +66,7 @@ def main(
     print(table(lines))
 
 
-def _options(
-    name: str, doc: str, sizes: Mapping[str, Any], argv: Sequence[str]
-) -> tuple[str, Path, Any]:
+def _options(name: str, doc: str, sizes: Mapping[str, Any], argv: Sequence[str]) -> tuple[str, Path, Any]:
     parser = argparse.ArgumentParser(prog=f"python -m experiments.{name}", description=doc.splitlines()[0])
     parser.add_argument("--size", choices=list(sizes), default="full")
     parser.add_argument("--out", type=Path, default=PROJECT / "experiments" / "out", help="folder of the files")

@@ -11,12 +11,12 @@ from symjax.errors import SymjaxError, SymjaxWarning
 
 if TYPE_CHECKING:
     from symjax import metrics, samples
-    from symjax.pipeline import detect
     from symjax.detection import Detection, load
+    from symjax.files.pointfile import read_points
     from symjax.fit import Fit, best, fit_plane, sweep
     from symjax.objective import l2e_loss
+    from symjax.pipeline import detect
     from symjax.plane import Plane
-    from symjax.pointfile import read_points
 
 __version__ = "0.1.0"
 
@@ -29,7 +29,7 @@ _HOME = {
     "fit_plane": "symjax.fit",
     "l2e_loss": "symjax.objective",
     "load": "symjax.detection",
-    "read_points": "symjax.pointfile",
+    "read_points": "symjax.files.pointfile",
     "sweep": "symjax.fit",
 }
 _MODULES = ("metrics", "samples")

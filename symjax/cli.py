@@ -94,7 +94,7 @@ def detect(
         _check_outputs(outputs, force, file)
         announce("reading")
         start = perf_counter()
-        from symjax.pointfile import read_points
+        from symjax.files.pointfile import read_points
 
         points, note = read_points(file, num_samples=samples, rng=seed)
         reading = perf_counter() - start
@@ -160,10 +160,11 @@ def _check_outputs(outputs: dict[str, Path | None], force: bool, *inputs: Path) 
 
 def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:
     """Every output that was asked for; existing files were dealt with by `_check_outputs`."""
-    from symjax.pointfile import write_points
+    from symjax.files.pointfile import write_points
+    from symjax.pictures.plot import write_html
 
     writers: dict[str, Callable[[Path], object]] = {
-        "html": detection.plot,
+        "html": lambda path: write_html(detection, path),
         "png": detection.picture,
         "mirror": lambda path: write_points(path, detection.complete(), force=True),
         "save": detection.save,

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from symjax import metrics, report, samples
 from symjax.detection import Detection
 from symjax.pipeline import detect
+from symjax.pictures.plot import write_html
 from symjax.plane import Plane
 
 KIND = "quadruped"
@@ -58,12 +59,11 @@ def run(folder: Path, *, seed: int, progress: Callable[[str], None]) -> list[str
     detection = detect(scan.points, rng=seed, progress=progress)
     page, picture = (folder / name for name in FILES)
     progress(f"writing {page}")
-    detection.plot(page)
+    write_html(detection, page)
     progress(f"writing {picture}")
     detection.picture(picture)
     return [
-        f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size; "
-        f"seed {seed}.",
+        f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size; seed {seed}.",
         *report.lines(detection),
         _comparison(detection, scan),
         f"Written in {perf_counter() - start:.1f} s in all: {page} (interactive, open it in a browser), {picture}",

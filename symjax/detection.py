@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import ArrayLike, Float, Int
 
 from symjax.errors import FileFormatError, InvalidArgumentError
-from symjax.output import replacing
+from symjax.files.output import replacing
 from symjax.plane import Plane
 from symjax.search import Candidate
 
@@ -99,7 +99,7 @@ class Detection:
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> "Figure":
         """Interactive picture; with a path, also written there as one self-contained HTML page."""
-        from symjax import plot
+        from symjax.pictures import plot
 
         if path is not None:
             plot.write_html(self, path)
@@ -107,7 +107,7 @@ class Detection:
 
     def picture(self, path: str | os.PathLike[str]) -> None:
         """Writes a PNG of cloud, plane and pairs beside the completed object."""
-        from symjax.picture import write_png
+        from symjax.pictures.picture import write_png
 
         write_png(self, path)
 

@@ -11,8 +11,8 @@ from symjax.cloud import MAX_POINTS, Cloud, as_points, prepare
 from symjax.correspondences import SymHKS, sym_hks
 from symjax.detection import Detection, Pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError
+from symjax.files.pointfile import read_points
 from symjax.plane import Plane
-from symjax.pointfile import read_points
 from symjax.search import search
 from symjax.stages import Stages
 

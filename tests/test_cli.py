@@ -12,8 +12,8 @@ import symjax
 from symjax import cli, pipeline
 from symjax.detection import Candidate, Detection, Pairs
 from symjax.errors import ComponentsWarning, DegenerateCloudError
+from symjax.files.pointfile import read_points, write_points
 from symjax.plane import Plane
-from symjax.pointfile import read_points, write_points
 
 PLANE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.25))
 STAGES = ("preparing", "fitting")

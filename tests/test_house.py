@@ -53,7 +53,9 @@ def run(code):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
 
 
-@pytest.mark.parametrize("name", ["symjax", "symjax.cli", *(f"symjax.{name}" for name in BEFORE_PAIRS), "symjax.samples"])
+@pytest.mark.parametrize(
+    "name", ["symjax", "symjax.cli", *(f"symjax.{name}" for name in BEFORE_PAIRS), "symjax.samples"]
+)
 def test_no_jax_is_imported_before_it_is_needed(name):
     assert run(f"import sys, {name}; print('jax' in sys.modules)") == "False"
 
@@ -76,6 +78,6 @@ def test_every_public_name_is_there_and_documented():
         assert getattr(symjax, name).__doc__
     # a function that shares its name with a module would be replaced by it
     assert callable(symjax.detect)
-    assert callable(symjax.detect)
+    assert callable(symjax.load)
     with pytest.raises(AttributeError, match="nothing"):
         symjax.nothing  # noqa: B018

@@ -5,9 +5,9 @@ import struct
 import numpy as np
 import pytest
 
-from symjax import pcd
 from symjax.errors import FileFormatError
-from symjax.pointfile import read_points
+from symjax.files import pcd
+from symjax.files.pointfile import read_points
 
 HEADER = """# .PCD v0.7 - Point Cloud Data file format
 VERSION 0.7

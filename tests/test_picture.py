@@ -5,10 +5,10 @@ import pytest
 from drawn import blob, detection_of
 from PIL import Image
 
-from symjax import scene as scenes
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-from symjax.picture import draw, write_png
-from symjax.splats import shaded_discs
+from symjax.pictures import scene as scenes
+from symjax.pictures.picture import draw, write_png
+from symjax.pictures.splats import shaded_discs
 
 SMALL = (600, 300)
 

@@ -9,7 +9,7 @@ import pytest
 from drawn import blob, detection_of
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-from symjax.plot import figure, write_html
+from symjax.pictures.plot import figure, write_html
 
 HOSTILE = "</script></title><script>alert(1)</script><img src=x onerror=alert(1)>&\"'"
 
@@ -217,6 +217,6 @@ def test_up_must_be_a_direction(rng):
 
 
 def test_drawing_imports_neither_jax_nor_plotly():
-    code = "import sys, symjax.plot, symjax.picture; print({'jax', 'plotly'} & set(sys.modules))"
+    code = "import sys, symjax.pictures.plot, symjax.pictures.picture; print({'jax', 'plotly'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import symjax
-from symjax import mesh, meshfile, ply
 from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
-from symjax.pointfile import read_points, write_points
+from symjax.files import mesh, meshfile, ply
+from symjax.files.pointfile import read_points, write_points
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
@@ -398,7 +398,7 @@ def test_writing_is_refused_rather_than_wrong(tmp_path, points):
 
 
 def test_importing_the_reader_imports_nothing_heavy():
-    code = "import sys, symjax.pointfile; sys.exit(bool({'jax', 'scipy', 'trimesh'} & sys.modules.keys()))"
+    code = "import sys, symjax.files.pointfile; sys.exit(bool({'jax', 'scipy', 'trimesh'} & sys.modules.keys()))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

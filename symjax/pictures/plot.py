@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from symjax import scene as scenes
-from symjax.output import replacing
-from symjax.traces import coordinates, css, headlight, pairs_trace, plane_traces, points_trace
+from symjax.files.output import replacing
+from symjax.pictures import scene as scenes
+from symjax.pictures.traces import coordinates, css, headlight, pairs_trace, plane_traces, points_trace
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure

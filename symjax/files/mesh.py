@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from symjax import table
 from symjax.errors import FileFormatError
+from symjax.files import table
 
 
 class Mesh(NamedTuple):

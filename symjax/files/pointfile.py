@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from symjax import mesh, meshfile, pcd, ply, textcloud
 from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
-from symjax.output import replacing
+from symjax.files import mesh, meshfile, pcd, ply, textcloud
+from symjax.files.output import replacing
 
 NUM_SAMPLES = 20_000
 """Points sampled from a mesh: dense enough for what `detect` resolves, and quick."""

@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from symjax import table
 from symjax.errors import FileFormatError
+from symjax.files import table
 
 
 def read(data: bytes) -> tuple[Float[np.ndarray, "n 3"], str]:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from symjax import table
 from symjax.errors import FileFormatError
+from symjax.files import table
 
 TYPES = {
     ("F", 4): "<f4",

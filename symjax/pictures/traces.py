@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
 
-from symjax import scene as scenes
+from symjax.pictures import scene as scenes
 from symjax.spectrum import local_frames
 
 LAMP_NEIGHBOURS = 16

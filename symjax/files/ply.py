@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from symjax import mesh, table
 from symjax.errors import FileFormatError
+from symjax.files import mesh, table
 
 TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),

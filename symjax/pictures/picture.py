@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 from PIL import Image, ImageDraw, ImageFont
 
-from symjax import scene as scenes
 from symjax.errors import InvalidArgumentError
-from symjax.output import replacing
-from symjax.splats import shaded_discs
+from symjax.files.output import replacing
+from symjax.pictures import scene as scenes
+from symjax.pictures.splats import shaded_discs
 
 if TYPE_CHECKING:
     from symjax.detection import Detection

@@ -9,8 +9,8 @@ from array import array
 
 import numpy as np
 
-from symjax import mesh, table
 from symjax.errors import FileFormatError
+from symjax.files import mesh, table
 
 STL_HEADER = 80
 STL_TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -1,0 +1,1 @@
+"""Pictures of a detection: an interactive page and a PNG."""
