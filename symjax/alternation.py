@@ -1,6 +1,7 @@
 """Algorithm 1 of the paper: ω and v in turn."""
 
 from collections.abc import Callable
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -38,7 +39,8 @@ def alternate(
         The minimum; `num_steps` counts rounds.
     """
     value_and_grad = jax.value_and_grad(fun)
-    omega_solver = optx.BFGS(rtol=0.0, atol=0.5 * tol)
+    # annotated loosely: optimistix types atol as a float, and takes a traced one
+    omega_solver: Any = optx.BFGS(rtol=0.0, atol=cast(float, 0.5 * tol))
 
     def joint(z: Float[Array, "4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         value, grad = value_and_grad(z)
@@ -54,7 +56,7 @@ def alternate(
         z, _, _, k, _ = state
         v = z[:3]
         # throw=False: under vmap one lane that runs out of steps must not fail the others
-        solve = optx.minimise(
+        solve: Any = optx.minimise(
             lambda omega, _: fun(jnp.append(v, omega)),
             omega_solver,
             z[3],

@@ -61,7 +61,7 @@ def _norm(u: Float[Array, "d"]) -> Float[Array, ""]:
 
 
 def ending(
-    grad_norm: Float[Array, ""], tol: Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
+    grad_norm: Float[Array, ""], tol: float | Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
 ) -> RESULTS:
     """The status of a solve from its last gradient norm, value, and whether its last line search failed."""
     result = RESULTS.where(stalled, RESULTS.stalled, RESULTS.max_steps_reached)

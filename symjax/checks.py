@@ -77,11 +77,11 @@ def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Ar
     """
     if weights is None:
         return jnp.ones(num, dtype)
-    weights = _as_array(weights, "weights", InvalidArgumentError, mask=True)
-    if weights.shape != (num,):
-        raise InvalidArgumentError(f"weights has shape {weights.shape}, not ({num},): one weight for each pair")
-    if _known(weights):
-        values = np.asarray(weights)
+    array = _as_array(weights, "weights", InvalidArgumentError, mask=True)
+    if array.shape != (num,):
+        raise InvalidArgumentError(f"weights has shape {array.shape}, not ({num},): one weight for each pair")
+    if _known(array):
+        values = np.asarray(array)
         bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
         if len(bad):
             raise InvalidArgumentError(
@@ -89,7 +89,7 @@ def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Ar
             )
         if not values.any():
             raise InvalidArgumentError("every weight is zero")
-    return jnp.asarray(weights, dtype)
+    return jnp.asarray(array, dtype)
 
 
 def checked_sigmas(sigmas: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "*s"]:
@@ -99,14 +99,14 @@ def checked_sigmas(sigmas: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "*s
         InvalidArgumentError: unless of that many axes, positive and finite.
     """
     name = "sigmas" if ndim else "sigma"
-    sigmas = _as_array(sigmas, name, InvalidArgumentError)
-    if sigmas.ndim != ndim or sigmas.size == 0:
-        raise InvalidArgumentError(f"{name} has shape {sigmas.shape}, not {'(S,)' if ndim else '()'}")
-    if _known(sigmas):
-        values = np.asarray(sigmas)
+    array = _as_array(sigmas, name, InvalidArgumentError)
+    if array.ndim != ndim or array.size == 0:
+        raise InvalidArgumentError(f"{name} has shape {array.shape}, not {'(S,)' if ndim else '()'}")
+    if _known(array):
+        values = np.asarray(array)
         if not (np.isfinite(values) & (values > 0)).all():
             raise InvalidArgumentError(f"{name} must be positive and finite, in the units of the points, not {values}")
-    return jnp.asarray(sigmas, dtype)
+    return jnp.asarray(array, dtype)
 
 
 def checked_normals(normals: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "*r 3"]:
@@ -116,15 +116,15 @@ def checked_normals(normals: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "
         InvalidArgumentError: unless of shape (3,) or (R, 3), finite, and unit to 1e-3.
     """
     name = "v0s" if ndim == 2 else "v0"
-    normals = _as_array(normals, name, InvalidArgumentError)
-    if normals.ndim != ndim or normals.shape[-1] != 3 or normals.size == 0:
-        raise InvalidArgumentError(f"{name} has shape {normals.shape}, not {'(R, 3)' if ndim == 2 else '(3,)'}")
-    if _known(normals):
-        length = np.linalg.norm(np.asarray(normals, float).reshape(-1, 3), axis=1)
+    array = _as_array(normals, name, InvalidArgumentError)
+    if array.ndim != ndim or array.shape[-1] != 3 or array.size == 0:
+        raise InvalidArgumentError(f"{name} has shape {array.shape}, not {'(R, 3)' if ndim == 2 else '(3,)'}")
+    if _known(array):
+        length = np.linalg.norm(np.asarray(array, float).reshape(-1, 3), axis=1)
         bad = np.flatnonzero(~(np.abs(length - 1) <= UNIT_TOLERANCE))
         if len(bad):
             raise InvalidArgumentError(
                 f"{len(bad)} of {len(length)} starting normals are not of unit length, the first is number "
                 f"{bad[0]} with length {length[bad[0]]:.6g}: divide each by its length"
             )
-    return jnp.asarray(normals, dtype)
+    return jnp.asarray(array, dtype)

@@ -42,7 +42,7 @@ class Cloud(NamedTuple):
 
     Attributes:
         points: the points, sorted along the first axis; the given ones are `centre + diagonal * points @ frame.T`.
-        index: their row in the given array.
+        rows: their row in the given array.
         frame: orthonormal axes in columns, of either handedness.
         centre: mean of the given points.
         diagonal: length of the principal box's diagonal, in the given units.
@@ -51,7 +51,7 @@ class Cloud(NamedTuple):
     """
 
     points: Float[np.ndarray, "n 3"]
-    index: Int[np.ndarray, "n"]
+    rows: Int[np.ndarray, "n"]
     frame: Float[np.ndarray, "3 3"]
     centre: Float[np.ndarray, "3"]
     diagonal: float

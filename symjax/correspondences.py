@@ -119,19 +119,19 @@ def sym_hks(
     with stages("matching"):
         times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)
         signatures = heat_kernel_signatures(eigen, times)
-        described = signatures[found.index]
+        described = signatures[found.rows]
         if options.whitened:
             described = whiten(described, signatures)
         # the constant eigenfunction's sign is everybody's
-        signs = sign_vectors(eigen, found.index)[:, 1 : 1 + options.num_signs]
+        signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
         cost = sign_penalty_cost(described, signs)
         num_pairs = options.num_pairs
         if num_pairs is None:
-            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.index)), possible_pairs(cost))
+            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.rows)), possible_pairs(cost))
         pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric)
     if len(pairs) < MIN_PAIRS:
         raise MatchingError(
-            f"{len(pairs)} mirror pairs among {len(found.index)} keypoints are too few (at least {MIN_PAIRS}): "
+            f"{len(pairs)} mirror pairs among {len(found.rows)} keypoints are too few (at least {MIN_PAIRS}): "
             "raise num_keypoints or num_pairs"
         )
-    return Correspondences(found.index[pairs], found.spacing, tuple(notes))
+    return Correspondences(found.rows[pairs], found.spacing, tuple(notes))

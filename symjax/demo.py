@@ -10,8 +10,8 @@ from jaxtyping import Float
 
 from symjax import metrics, report, samples
 from symjax.detection import Detection
-from symjax.pipeline import detect
 from symjax.pictures.plot import write_html
+from symjax.pipeline import detect
 from symjax.plane import Plane
 
 KIND = "quadruped"

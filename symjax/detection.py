@@ -26,13 +26,13 @@ class Pairs(NamedTuple):
     Attributes:
         x: one end of every pair, in the units of the given points.
         y: the other end.
-        index: rows of the two ends in the given points.
+        rows: rows of the two ends in the given points.
         weight: L2E weight exp(-f_i / 2σ²) at the plane, between 0 and 1.
     """
 
     x: Float[np.ndarray, "m 3"]
     y: Float[np.ndarray, "m 3"]
-    index: Int[np.ndarray, "m 2"]
+    rows: Int[np.ndarray, "m 2"]
     weight: Float[np.ndarray, "m"]
 
 
@@ -150,7 +150,7 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
             pairs=Pairs(
                 np.array(pairs["x"], dtype=float).reshape(-1, 3),
                 np.array(pairs["y"], dtype=float).reshape(-1, 3),
-                np.array(pairs["index"], dtype=np.int64).reshape(-1, 2),
+                np.array(pairs["rows"], dtype=np.int64).reshape(-1, 2),
                 np.array(pairs["weight"], dtype=float),
             ),
             notes=tuple(values.pop("notes")),
@@ -162,7 +162,8 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
 
 
 def _plane(values: dict[str, Any]) -> Plane:
-    return Plane(np.array(values["normal"], dtype=float).reshape(3), np.float64(values["offset"]))
+    normal, offset = (np.array(values[name], dtype=float) for name in ("normal", "offset"))
+    return Plane(normal.reshape(3), offset.reshape(()))
 
 
 def _plain(value: Any) -> Any:

@@ -23,7 +23,7 @@ from symjax.status import RESULTS, sentence
 
 MAX_STEPS = 200
 LANES = 16  # fits that share a while loop; more of them wait for the slowest
-_SOLVERS = {"joint": partial(minimize, manifold=SPHERE_LINE), "alternating": alternate}
+SOLVERS = {"joint": partial(minimize, manifold=SPHERE_LINE), "alternating": alternate}
 # default tol, a power of eps: the alternation's ω solver stops where f itself shows no decrease any more,
 # which is at a gradient of about eps^(1/2)
 _TOL_POWER = {"joint": 2 / 3, "alternating": 1 / 2}
@@ -79,7 +79,7 @@ def _solve(
     v0 = normalise(v0)
     z0 = jnp.append(v0, start_offset(v0, sigma, x, y, weights=weights))
     theta = (x, y, weights, sigma)
-    solution = _SOLVERS[solver](lambda z: _psi(z, theta), z0, line_search=line_search, max_steps=max_steps, tol=tol)
+    solution = SOLVERS[solver](lambda z: _psi(z, theta), z0, line_search=line_search, max_steps=max_steps, tol=tol)
     v, omega = solution.point[:3], solution.point[3]
     flat = jnp.all(jnp.where(weights > 0, l2e_weights(v, omega, sigma, x, y), 0) == 0)
     return solution._replace(result=RESULTS.where(flat, RESULTS.flat, solution.result))
@@ -156,8 +156,8 @@ def _checked(
     max_steps: int,
     tol: float | None,
 ) -> tuple[Array, Array, Array, Array, Any]:
-    if solver not in _SOLVERS:
-        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(_SOLVERS)}")
+    if solver not in SOLVERS:
+        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(SOLVERS)}")
     if line_search not in LINE_SEARCHES:
         raise InvalidArgumentError(f"line_search {line_search!r} is unknown: choose one of {', '.join(LINE_SEARCHES)}")
     if max_steps < 0:

@@ -35,7 +35,7 @@ class Keypoints(NamedTuple):
     `spacing` is the root mean squared distance of the cloud's points from their nearest keypoint.
     """
 
-    index: Int[np.ndarray, "a"]
+    rows: Int[np.ndarray, "a"]
     num_salient: int
     spacing: float
 

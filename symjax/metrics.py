@@ -1,6 +1,6 @@
 """How far an estimated mirror plane is from the true one. NumPy and JAX arrays both work."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -8,8 +8,11 @@ from jaxtyping import Array, Float
 if TYPE_CHECKING:
     from symjax.plane import Plane
 
+AnyArray: TypeAlias = Array | np.ndarray
+"""An array of JAX or of NumPy."""
 
-def deviation_angle(a: Float[Array, "*batch 3"], b: Float[Array, "*batch 3"]) -> Float[Array, "*batch"]:
+
+def deviation_angle(a: Float[AnyArray, "*batch 3"], b: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch"]:
     """Angle between two plane normals, signs ignored.
 
     By atan2(‖a × b‖, |a · b|): arccos has an infinite slope at aligned normals and cannot tell 0.01° from 0°
@@ -24,7 +27,7 @@ def deviation_angle(a: Float[Array, "*batch 3"], b: Float[Array, "*batch 3"]) ->
     """
     if not hasattr(a, "__array_namespace__"):
         a = np.asarray(a)
-    xp = a.__array_namespace__()
+    xp: Any = a.__array_namespace__()
     b = xp.asarray(b)
     cross = [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))]
     dot = xp.abs(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
@@ -34,7 +37,9 @@ def deviation_angle(a: Float[Array, "*batch 3"], b: Float[Array, "*batch 3"]) ->
     return xp.degrees(xp.atan2(sine, dot))
 
 
-def offset_error(plane: "Plane", truth: "Plane", centre: Float[Array, "3"], diagonal: float) -> Float[Array, "*batch"]:
+def offset_error(
+    plane: "Plane", truth: "Plane", centre: Float[AnyArray, "3"], diagonal: float
+) -> Float[AnyArray, "*batch"]:
     """Distance of the estimated plane from the foot of the cloud's centre on the true plane.
 
     Unlike the difference of two offsets, it does not depend on where the origin is.
@@ -48,7 +53,7 @@ def offset_error(plane: "Plane", truth: "Plane", centre: Float[Array, "3"], diag
     Returns:
         The distance as a fraction of the diagonal.
     """
-    xp = plane.normal.__array_namespace__()
+    xp: Any = plane.normal.__array_namespace__()
     centre = xp.asarray(centre)
     foot = centre - ((truth.normal * centre).sum(-1) - truth.offset) * truth.normal
     n = plane.normal

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 from jaxtyping import ArrayLike, Float
@@ -12,6 +13,7 @@ from symjax.correspondences import SymHKS, sym_hks
 from symjax.detection import Detection, Pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError
 from symjax.files.pointfile import read_points
+from symjax.fit import SOLVERS
 from symjax.plane import Plane
 from symjax.search import search
 from symjax.stages import Stages
@@ -40,7 +42,7 @@ def detect(
     restarts: int = RESTARTS,
     solver: str = "joint",
     options: SymHKS | None = None,
-    nonfinite: str = "raise",
+    nonfinite: Literal["raise", "drop"] = "raise",
     max_points: int = MAX_POINTS,
     progress: Callable[[str], None] | None = None,
 ) -> Detection:
@@ -70,6 +72,8 @@ def detect(
     """
     if method not in METHODS:
         raise InvalidArgumentError(f"method {method!r} is unknown: choose one of {', '.join(METHODS)}")
+    if solver not in SOLVERS:
+        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(SOLVERS)}")
     if sigma is not None and not (np.isfinite(sigma) and sigma > 0):
         raise InvalidArgumentError(f"sigma must be positive and finite, not {sigma}")
     if restarts < 1:
@@ -86,14 +90,14 @@ def detect(
     with stages("preparing"):
         cloud = prepare(points, nonfinite=nonfinite, max_points=max_points)
         given = as_points(points)
-        normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.index] @ cloud.frame
+        normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.rows] @ cloud.frame
     matches = sym_hks(cloud.points, normals=normals, options=options, stages=stages)
     sigma = SIGMA_SPACINGS * matches.spacing if sigma is None else float(sigma)
     with stages("fitting"):
         x, y = (cloud.points[matches.rows[:, end]] for end in (0, 1))
         answer = search(x, y, sigma, restarts=restarts, solver=solver, rng=np.random.default_rng(rng))
     candidates = tuple(c._replace(plane=_in_given_units(c.plane, cloud)) for c in answer.candidates)
-    best, index = candidates[0], cloud.index[matches.rows]
+    best, index = candidates[0], cloud.rows[matches.rows]
     return Detection(
         plane=best.plane,
         found=answer.converged and best.score > answer.threshold,

@@ -58,9 +58,9 @@ class Search(NamedTuple):
 class _Padded(NamedTuple):
     """The pairs, padded by pairs of weight 0; the real ones have weight 1."""
 
-    x: Float[np.ndarray, "b 3"]
-    y: Float[np.ndarray, "b 3"]
-    weights: Float[np.ndarray, "b"]
+    x: Float[Array, "b 3"]
+    y: Float[Array, "b 3"]
+    weights: Float[Array, "b"]
 
 
 def search(
@@ -83,9 +83,11 @@ def search(
         solver: see `fit_plane`.
         rng: draws the random planes.
     """
-    pairs = _padded(x, y)
     with jax.enable_x64(True):
-        fits = sweep(pairs.x, pairs.y, [sigma], _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver)
+        pairs = _padded(x, y)
+        fits = sweep(
+            pairs.x, pairs.y, np.array([sigma]), _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver
+        )
         candidates, first = _distinct(fits, pairs, sigma)
         weight = _weights(jax.tree.map(lambda leaf: leaf[None], candidates[0].plane), sigma, pairs)[0, : len(x)]
         threshold = FOUND_FACTOR * float(np.quantile(_scores(_random_planes(x, y, rng), sigma, pairs), RANDOM_QUANTILE))
@@ -94,8 +96,8 @@ def search(
 
 def _padded(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"]) -> _Padded:
     extra = -len(x) % BUCKET
-    ends = (np.pad(end, ((0, extra), (0, 0))) for end in (x, y))
-    return _Padded(*ends, np.pad(np.ones(len(x)), (0, extra)))
+    first, second = (jnp.asarray(np.pad(end, ((0, extra), (0, 0)))) for end in (x, y))
+    return _Padded(first, second, jnp.asarray(np.pad(np.ones(len(x)), (0, extra))))
 
 
 def _starts(pairs: _Padded, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
@@ -118,12 +120,13 @@ def _named_starts(pairs: _Padded) -> Float[Array, "3 3"]:
 
 def _pair_normals(pairs: _Padded, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
     """Normals of the planes that single pairs define, the best supported first, no two alike."""
-    step = pairs.y - pairs.x
+    x, y, real = (np.asarray(leaf) for leaf in pairs)
+    step = y - x
     length = np.linalg.norm(step, axis=1, keepdims=True)
     normals = step / np.where(length > 0, length, 1.0)
-    planes = Plane(normals, (normals * (pairs.x + pairs.y) / 2).sum(axis=1))
+    planes = Plane(normals, (normals * (x + y) / 2).sum(axis=1))
     order = np.argsort(-_scores(planes, sigma, pairs), kind="stable")
-    return normals[_suppressed(planes, order[pairs.weights[order] > 0], most)]
+    return normals[_suppressed(planes, order[real[order] > 0], most)]
 
 
 def _distinct(fits: Fit, pairs: _Padded, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
@@ -163,16 +166,16 @@ def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng
 
 
 def _weights(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p b"]:
-    return np.asarray(_all_weights(planes, sigma, pairs))
+    return np.asarray(_all_weights(planes, jnp.asarray(sigma), pairs))
 
 
 @jax.jit
-def _all_weights(planes: Plane, sigma: float, pairs: _Padded) -> Float[Array, "p b"]:
+def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: _Padded) -> Float[Array, "p b"]:
     """L2E weight of every pair at every plane; zero for padding."""
-    weigh = jax.vmap(l2e_weights, (0, 0, None, None, None))
-    return weigh(planes.normal, planes.offset, sigma, pairs.x, pairs.y) * pairs.weights[None, :]
+    weigh = jax.vmap(lambda v, omega: l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights)
+    return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
 
 def _scores(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p"]:
     """Mean L2E weight of the real pairs at every plane."""
-    return _weights(planes, sigma, pairs).sum(axis=1) / pairs.weights.sum()
+    return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())

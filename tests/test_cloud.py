@@ -66,7 +66,7 @@ def test_nonfinite_points_are_refused_with_their_count_or_dropped_on_request(rng
         prepare(points)
     cloud = prepare(points, nonfinite="drop")
     assert cloud.num_given == 500
-    assert set(range(500)) - set(cloud.index.tolist()) == {7, 9}
+    assert set(range(500)) - set(cloud.rows.tolist()) == {7, 9}
     assert "2 of 500" in cloud.notes[0]
     with pytest.raises(InvalidArgumentError, match="ignore"):
         prepare(points, nonfinite="ignore")
@@ -76,7 +76,7 @@ def test_the_way_back_is_exact(rng):
     points = blob(rng) + 5.0
     cloud = prepare(points)
     back = cloud.centre + cloud.diagonal * cloud.points @ cloud.frame.T
-    np.testing.assert_allclose(back, points[cloud.index], rtol=1e-12)
+    np.testing.assert_allclose(back, points[cloud.rows], rtol=1e-12)
     np.testing.assert_allclose(cloud.frame.T @ cloud.frame, np.eye(3), atol=1e-14)
 
 
@@ -96,7 +96,7 @@ def test_place_pose_and_order_do_not_matter(rng, handedness):
     order = rng.permutation(len(points))
     reference, cloud = prepare(points), prepare((points @ turn.T + shift)[order])
     np.testing.assert_allclose(cloud.points, reference.points, atol=1e-9)
-    np.testing.assert_array_equal(order[cloud.index], reference.index)
+    np.testing.assert_array_equal(order[cloud.rows], reference.rows)
     np.testing.assert_allclose(cloud.diagonal, reference.diagonal, rtol=1e-9)
 
 
@@ -106,9 +106,9 @@ def test_thinning_is_bounded_even_and_turns_with_the_cloud(rng):
     cloud, turned = prepare(points), prepare((points @ turn.T)[order])
     assert 0.5 * MAX_POINTS < len(cloud.points) <= MAX_POINTS
     assert any("thinned" in note for note in cloud.notes)
-    same = np.intersect1d(cloud.index, order[turned.index])
+    same = np.intersect1d(cloud.rows, order[turned.rows])
     # only points on a cell's rounding-thin border may change sides
-    assert len(same) > 0.999 * len(cloud.index)
+    assert len(same) > 0.999 * len(cloud.rows)
 
 
 def test_duplicates_are_merged_and_original_rows_kept(rng):
@@ -116,8 +116,8 @@ def test_duplicates_are_merged_and_original_rows_kept(rng):
     doubled = np.concatenate([points, points[:100]])
     with pytest.warns(DuplicatePointsWarning, match="100 of 600"):
         cloud = prepare(doubled)
-    assert set(cloud.index % 500) == set(range(500))
-    assert len(cloud.index) == 500
+    assert set(cloud.rows % 500) == set(range(500))
+    assert len(cloud.rows) == 500
     few = prepare(np.concatenate([points, points[:3]]))
     assert len(few.points) == 500
     assert "3 points coincide" in few.notes[0]

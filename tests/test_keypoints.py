@@ -31,15 +31,15 @@ def test_keypoints_are_equivariant(rng):
     order = rng.permutation(len(points))
     there = keypoints(points, num_keypoints=200)
     back = keypoints((points @ turn.T)[order], num_keypoints=200)
-    assert set(order[back.index]) == set(there.index)
+    assert set(order[back.rows]) == set(there.rows)
     assert back.num_salient == there.num_salient > 0
 
 
 def test_keypoints_cover_the_cloud_better_than_random_ones(rng):
     points = box(rng)
     found = keypoints(points, num_keypoints=200)
-    assert len(set(found.index)) == 200
-    distance = cKDTree(points[found.index]).query(points)[0]
+    assert len(set(found.rows)) == 200
+    distance = cKDTree(points[found.rows]).query(points)[0]
     np.testing.assert_allclose(np.sqrt((distance**2).mean()), found.spacing, rtol=1e-12)
     random = cKDTree(points[rng.choice(len(points), 200, replace=False)]).query(points)[0]
     assert distance.max() < 0.7 * random.max()
@@ -55,4 +55,4 @@ def test_farthest_points_are_each_the_farthest_left(rng):
 
 
 def test_few_points_are_all_keypoints(rng):
-    assert len(keypoints(rng.normal(size=(60, 3)), num_keypoints=500).index) == 60
+    assert len(keypoints(rng.normal(size=(60, 3)), num_keypoints=500).rows) == 60

@@ -59,8 +59,8 @@ def test_the_planted_plane_is_found(detection):
 
 def test_the_evidence_is_consistent(detection, cloud):
     pairs = detection.pairs
-    np.testing.assert_array_equal(pairs.x, cloud[pairs.index[:, 0]])
-    np.testing.assert_array_equal(pairs.y, cloud[pairs.index[:, 1]])
+    np.testing.assert_array_equal(pairs.x, cloud[pairs.rows[:, 0]])
+    np.testing.assert_array_equal(pairs.y, cloud[pairs.rows[:, 1]])
     residual = np.linalg.norm(detection.mirror(pairs.x) - pairs.y, axis=1) / (detection.sigma * detection.diagonal)
     np.testing.assert_allclose(pairs.weight, np.exp(-0.5 * residual**2), atol=1e-9)
     assert pairs.weight.mean() == pytest.approx(detection.score)
@@ -175,8 +175,8 @@ def test_dropped_rows_keep_the_original_indices(cloud):
     holed = cloud.copy()
     holed[:10] = np.nan
     detection = symjax.detect(holed, nonfinite="drop")
-    np.testing.assert_array_equal(detection.pairs.x, holed[detection.pairs.index[:, 0]])
-    assert detection.pairs.index.min() >= 10
+    np.testing.assert_array_equal(detection.pairs.x, holed[detection.pairs.rows[:, 0]])
+    assert detection.pairs.rows.min() >= 10
     assert np.isfinite(detection.complete()).all()
     assert "10 of" in detection.notes[0]
 
