@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.spatial.distance import cdist
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
 from symjax.keypoints import NUM_KEYPOINTS, RADIUS, keypoints
-from symjax.matching import assign_pairs, possible_pairs, sign_penalty_cost
+from symjax.matching import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
 from symjax.signatures import (
     NUM_TIMES,
     TimeScale,
@@ -122,13 +123,18 @@ def sym_hks(
         described = signatures[found.rows]
         if options.whitened:
             described = whiten(described, signatures)
-        # the constant eigenfunction's sign is everybody's
-        signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
-        cost = sign_penalty_cost(described, signs)
+        if options.num_signs:
+            # the constant eigenfunction's sign is everybody's
+            signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
+            # the paper's b, or more where unwhitened signatures differ by more
+            penalty = max(SIGN_PENALTY, 2 * float(np.linalg.norm(np.ptp(described, axis=0))))
+            cost = sign_penalty_cost(described, signs, penalty=penalty)
+        else:
+            cost, penalty = cdist(described, described), np.inf
         num_pairs = options.num_pairs
         if num_pairs is None:
-            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.rows)), possible_pairs(cost))
-        pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric)
+            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.rows)), possible_pairs(cost, penalty=penalty))
+        pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric, penalty=penalty)
     if len(pairs) < MIN_PAIRS:
         raise MatchingError(
             f"{len(pairs)} mirror pairs among {len(found.rows)} keypoints are too few (at least {MIN_PAIRS}): "
