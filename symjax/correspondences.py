@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
-from symjax.keypoints import NUM_KEYPOINTS, RADIUS, keypoints
+from symjax.keypoints import NUM_KEYPOINTS, RADIUS, Keypoints, keypoints
 from symjax.matching import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
 from symjax.signatures import (
     NUM_TIMES,
@@ -18,7 +18,7 @@ from symjax.signatures import (
     sign_vectors,
     whiten,
 )
-from symjax.spectrum import NUM_EIGS, spectrum
+from symjax.spectrum import NUM_EIGS, Spectrum, spectrum
 from symjax.stages import Stages
 
 PAIRS_PER_KEYPOINT = 0.25
@@ -52,14 +52,17 @@ class SymHKS(NamedTuple):
     """Options of the correspondences. The defaults are the paper's where it prints one.
 
     Attributes:
-        num_eigs: eigenfunctions k.
-        num_keypoints: keypoints, the constant one included.
+        num_eigs: eigenfunctions k, the constant one included.
+        num_keypoints: keypoints.
         radius: radius r of the neighbourhood of intrinsic shape signatures, as a fraction of the diagonal.
         num_times: diffusion times p.
         times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
         whitened: compare signatures by their Mahalanobis distance; False is the paper's plain distance.
         num_signs: low eigenfunctions in the sign vectors; 0 leaves the constraint out.
         num_pairs: pairs q; None is a quarter of the keypoints.
+        separation: least distance of the two points of a pair, in spacings of the keypoints: points nearer than the
+            residual's scale are one patch, and agree with any plane through it. 0 is the paper's, which leaves this
+            to the signs alone.
         symmetric: the exact symmetric matching instead of the assignment; for up to some hundred keypoints.
     """
 
@@ -71,6 +74,7 @@ class SymHKS(NamedTuple):
     whitened: bool = True
     num_signs: int = NUM_SIGNS
     num_pairs: int | None = None
+    separation: float = 2.0
     symmetric: bool = False
 
     def check(self) -> None:
@@ -80,6 +84,8 @@ class SymHKS(NamedTuple):
                 raise InvalidArgumentError(f"{name} must be at least {least}, not {getattr(self, name)}")
         if not 0 < self.radius < 1:
             raise InvalidArgumentError(f"radius must be between 0 and 1 (of the diagonal), not {self.radius}")
+        if not 0 <= self.separation < np.inf:
+            raise InvalidArgumentError(f"separation must be 0 or more keypoint spacings, not {self.separation}")
         if self.num_pairs is not None and self.num_pairs < MIN_PAIRS:
             raise InvalidArgumentError(f"num_pairs must be at least {MIN_PAIRS}, not {self.num_pairs}")
 
@@ -118,19 +124,7 @@ def sym_hks(
     if found.num_salient == 0:
         notes.append("no intrinsic shape signatures: all keypoints are farthest-point samples")
     with stages("matching"):
-        times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)
-        signatures = heat_kernel_signatures(eigen, times)
-        described = signatures[found.rows]
-        if options.whitened:
-            described = whiten(described, signatures)
-        if options.num_signs:
-            # the constant eigenfunction's sign is everybody's
-            signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
-            # the paper's b, or more where unwhitened signatures differ by more
-            penalty = max(SIGN_PENALTY, 2 * float(np.linalg.norm(np.ptp(described, axis=0))))
-            cost = sign_penalty_cost(described, signs, penalty=penalty)
-        else:
-            cost, penalty = cdist(described, described), np.inf
+        cost, penalty = _costs(points, eigen, found, options)
         num_pairs = options.num_pairs
         if num_pairs is None:
             num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.rows)), possible_pairs(cost, penalty=penalty))
@@ -141,3 +135,23 @@ def sym_hks(
             "raise num_keypoints or num_pairs"
         )
     return Correspondences(found.rows[pairs], found.spacing, tuple(notes))
+
+
+def _costs(
+    points: Float[np.ndarray, "n 3"], eigen: Spectrum, found: Keypoints, options: SymHKS
+) -> tuple[Float[np.ndarray, "a a"], float]:
+    """The paper's a_ij, infinite for keypoints too near each other; and from where on a cost is prohibitive."""
+    times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)
+    everywhere = heat_kernel_signatures(eigen, times)
+    signatures = whiten(everywhere[found.rows], everywhere) if options.whitened else everywhere[found.rows]
+    if options.num_signs:
+        # the constant eigenfunction's sign is everybody's
+        signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
+        # the paper's b, or more where unwhitened signatures differ by more
+        penalty = max(SIGN_PENALTY, 2 * float(np.linalg.norm(np.ptp(signatures, axis=0))))
+        cost = sign_penalty_cost(signatures, signs, penalty=penalty)
+    else:
+        cost, penalty = cdist(signatures, signatures), np.inf
+    at = points[found.rows]
+    cost[cdist(at, at) < options.separation * found.spacing] = np.inf
+    return cost, penalty

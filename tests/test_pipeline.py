@@ -118,8 +118,15 @@ def test_both_solvers_reach_the_same_plane(cloud, detection):
 
 
 def test_the_papers_own_settings_run(cloud):
-    printed = SymHKS(times="uniform", whitened=False, num_keypoints=200)
+    printed = SymHKS(times="uniform", whitened=False, num_keypoints=200, separation=0.0)
     assert symjax.detect(cloud, options=printed).num_used == len(cloud)
+
+
+def test_the_sign_constraint_can_be_left_out(cloud):
+    free = symjax.detect(cloud, options=SymHKS(num_signs=0, num_keypoints=200)).pairs
+    apart = np.linalg.norm(free.x - free.y, axis=1)
+    assert len(free.rows) >= 3
+    assert apart.min() > 0
 
 
 def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
@@ -145,6 +152,7 @@ def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
         ({"options": SymHKS(num_eigs=10**6)}, InvalidArgumentError, "num_eigs"),
         ({"options": SymHKS(num_eigs=1)}, InvalidArgumentError, "num_eigs"),
         ({"options": SymHKS(num_pairs=1)}, InvalidArgumentError, "num_pairs"),
+        ({"options": SymHKS(separation=-1.0)}, InvalidArgumentError, "separation"),
         ({"options": SymHKS(radius=0.0)}, InvalidArgumentError, "radius"),
         ({"options": SymHKS(times="linear")}, InvalidArgumentError, "linear"),
     ],
@@ -197,8 +205,9 @@ def test_a_cloud_in_pieces_is_said_to_be(cloud):
     assert any("2 pieces" in note for note in detection.notes)
 
 
-def test_noise_in_a_box_has_no_plane(rng):
-    assert not symjax.detect(rng.uniform(size=(2_000, 3)) * [1.0, 1.3, 1.7]).found
+def test_an_asymmetric_cloud_has_no_plane():
+    tree = symjax.samples.generate("tree", num_points=3_000, rng=0)
+    assert not symjax.detect(tree.points).found
 
 
 def test_a_large_cloud_is_thinned_and_said_to_be(rng):
