@@ -10,30 +10,20 @@ from numbers import Integral
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.optimize import Bounds, LinearConstraint, linear_sum_assignment, linprog, milp
-from scipy.sparse import csr_array, vstack
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.spatial.distance import cdist
 
 from symjax.errors import InvalidArgumentError, MatchingError
+from symjax.symmetric_matching import least_matching
 
 SIGN_PENALTY = 1000.0
 """Cost b of pairing two points in the same nodal domains (the paper's number)."""
 
 MAX_SYMMETRIC_POINTS = 300
-"""Most keypoints for the integer program, which grows with their square: seconds at this size."""
-
-COST_RANGE = 1000.0
-"""Costs are stretched to [0, COST_RANGE] for the solver, whose tolerances are absolute, near 1e-7."""
-
-COST_TOLERANCE = 1e-6
-"""Slack, in stretched costs, when reduced costs are compared: above the solver's tolerance."""
-
-SUPPORT = 1e-6
-"""Values below this are zero in a solution of the relaxation."""
-
-FIRST_EDGES = 8
-"""Edges a point in the first integer program; mostly the only one."""
+"""Most keypoints for the symmetric program, whose size grows with their square: about a second at this one, up to ten
+among many equal costs."""
 
 
 def sign_penalty_cost(
@@ -76,7 +66,7 @@ def assign_pairs(
     """Pairs (i, j), i < j, no point in two of them, of least total cost, the cheapest first.
 
     By default the paper's program is solved exactly for 2q directed matches i -> j, and the mutual ones are kept,
-    those with j -> i too: at most q pairs, fewer where points are matched in a ring, and possibly none. With
+    those with j -> i too: at most q pairs, fewer where points are matched in a ring or costs are equal, and possibly none. With
     `symmetric` P = Pᵀ is imposed: exactly q pairs, of least total cost among all sets of q.
 
     Costs at or above `penalty`, infinite ones among them, and the diagonal are prohibited rather than dear: such
@@ -90,8 +80,8 @@ def assign_pairs(
         penalty: costs from here on are prohibited.
 
     Raises:
-        InvalidArgumentError: a cost that is not square, not symmetric, NaN or −infinity; `num_pairs` < 1; too many
-            points for `symmetric`.
+        InvalidArgumentError: a cost that is not square, not symmetric, NaN or −infinity; `num_pairs` < 1; a
+            penalty that is not positive; too many points for `symmetric`.
         MatchingError: the allowed entries hold fewer matches than asked for (see `possible_pairs`).
     """
     allowed = _allowed_cost(cost, penalty)
@@ -109,7 +99,7 @@ def assign_pairs(
             "ask for fewer pairs, use more keypoints, or compare the signs of more eigenfunctions"
         )
     if symmetric:
-        pairs = _least_matching(allowed, int(num_pairs))
+        pairs = least_matching(allowed, int(num_pairs))
     else:
         pairs = _mutual(least_assignment(allowed, 2 * int(num_pairs)), len(allowed))
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0], allowed[pairs[:, 0], pairs[:, 1]]))]
@@ -154,103 +144,13 @@ def _mutual(matches: Int[np.ndarray, "k 2"], num_points: int) -> Int[np.ndarray,
     return matches[(i < j) & (partner[j] == i)]
 
 
-def _least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.ndarray, "q 2"]:
-    """The matching of q edges of least cost in the graph of finite costs, by an integer program on few edges.
-
-    Linear duality bounds any matching that uses edge e from below by LB + r_e, with LB the optimum of the
-    relaxation and r_e ≥ 0 the reduced cost. So the optimum among the edges of least r_e is the optimum of all
-    once it is at most LB + r_e of every edge left out; if it is more, the edges with r_e < optimum − LB are enough.
-    """
-    i, j = np.nonzero(np.triu(np.isfinite(cost), 1))
-    weight = cost[i, j] - cost[i, j].min()
-    if weight.any():
-        weight = weight / weight.max() * COST_RANGE
-    lower, reduced, rows, limits = _relax(weight, i, j, num_pairs)
-
-    order = np.argsort(reduced, kind="stable")
-    num_kept = min(FIRST_EDGES * len(cost), len(order))
-    while True:
-        kept = order[:num_kept]
-        chosen = _integer_program(weight[kept], rows[:, kept], limits, num_pairs)
-        left_out = reduced[order[num_kept]] if num_kept < len(order) else np.inf
-        gap = np.inf if chosen is None else weight[kept[chosen]].sum() - lower
-        if chosen is not None and gap <= left_out + COST_TOLERANCE:
-            return np.stack([i[kept[chosen]], j[kept[chosen]]], axis=1)
-        if num_kept == len(order):
-            raise _no_matching(num_pairs)
-        if chosen is None:
-            num_kept = min(4 * num_kept, len(order))
-        else:
-            num_kept = int(np.count_nonzero(reduced < gap - COST_TOLERANCE))
-
-
-def _relax(
-    weight: Float[np.ndarray, "e"], i: Int[np.ndarray, "e"], j: Int[np.ndarray, "e"], num_pairs: int
-) -> tuple[float, Float[np.ndarray, "e"], csr_array, Float[np.ndarray, "r"]]:
-    """Linear relaxation of the matching: its optimum, the reduced costs, and its rows and their limits.
-
-    The rows say that a point is in one edge at most, and (Edmonds, 1965) that a set of 2m + 1 points holds m edges
-    at most. Of the latter, those are added that the solution breaks on a connected piece of its support, as the
-    fractional ones do that put 1/2 on the edges of an odd ring.
-    """
-    edge = np.arange(len(weight))
-    num_points = int(j.max()) + 1
-    incidence = csr_array((np.ones(2 * len(edge)), (np.r_[i, j], np.r_[edge, edge])), (num_points, len(edge)))
-    rows, limits = incidence, np.ones(num_points)
-    while True:
-        relaxed = linprog(
-            weight, A_ub=rows, b_ub=limits, A_eq=np.ones((1, len(edge))), b_eq=[num_pairs], method="highs"
-        )
-        if relaxed.status == 2:
-            raise _no_matching(num_pairs)
-        if relaxed.status != 0:
-            raise MatchingError(f"the relaxed matching was not solved: {relaxed.message}")
-        used = np.flatnonzero(relaxed.x > SUPPORT)
-        graph = csr_array((np.ones(len(used)), (i[used], j[used])), (num_points, num_points))
-        _, piece = connected_components(graph, directed=False)
-        most = (np.bincount(piece) - 1) / 2
-        inside = np.bincount(piece[i[used]], weights=relaxed.x[used], minlength=len(most))
-        broken = np.flatnonzero((most % 1 == 0) & (inside > most + SUPPORT))
-        if not len(broken):
-            reduced = weight - rows.T @ relaxed.ineqlin.marginals - relaxed.eqlin.marginals[0]
-            return relaxed.fun, reduced, rows, limits
-        cuts = (piece[i] == piece[j]) & (piece[i] == broken[:, None])
-        rows = vstack([rows, csr_array(cuts.astype(float))], format="csr")
-        limits = np.concatenate([limits, most[broken]])
-
-
-def _integer_program(
-    weight: Float[np.ndarray, "e"], rows: csr_array, limits: Float[np.ndarray, "r"], num_pairs: int
-) -> Int[np.ndarray, "q"] | None:
-    """The q edges of least weight within the limits of the rows; None if there are none such."""
-    result = milp(
-        weight,
-        constraints=[
-            LinearConstraint(rows, ub=limits),
-            LinearConstraint(np.ones((1, len(weight))), num_pairs, num_pairs),
-        ],
-        bounds=Bounds(0.0, 1.0),
-        integrality=np.ones(len(weight)),
-        options={"mip_rel_gap": 0.0},
-    )
-    if result.status == 2:
-        return None
-    if result.status != 0:
-        raise MatchingError(f"the symmetric matching was not solved: {result.message}")
-    return np.flatnonzero(result.x > 0.5)
-
-
-def _no_matching(num_pairs: int) -> MatchingError:
-    return MatchingError(
-        f"{num_pairs} pairs asked for, but the allowed costs hold fewer without a point in two: ask for fewer pairs"
-    )
-
-
 def _allowed_cost(cost: Float[np.ndarray, "a a"], penalty: float) -> Float[np.ndarray, "a a"]:
     """A checked copy of the costs, infinite on the diagonal and from the penalty on."""
     allowed = np.array(cost, float)
     if allowed.ndim != 2 or allowed.shape[0] != allowed.shape[1] or len(allowed) == 0:
         raise InvalidArgumentError(f"cost must be a square matrix, one row a keypoint; got shape {allowed.shape}")
+    if not penalty > 0:
+        raise InvalidArgumentError(f"penalty must be positive; got {penalty}")
     _refuse(np.isnan(allowed) | (allowed == -np.inf), "cost", "NaN or -infinity")
     _refuse(~np.isclose(allowed, allowed.T, rtol=1e-9, atol=0.0), "cost", "different from their mirror (j, i)")
     allowed[allowed >= penalty] = np.inf
