@@ -36,7 +36,7 @@ class Config:
     seed: int = 1
 
 
-SIZES = {"full": Config(), "small": Config(num_points=2000, bends=(0.0, 60.0))}
+SIZES = {"full": Config(), "small": Config(bends=(60.0,))}
 
 
 def posed(config: Config, bend: float) -> Float[np.ndarray, "n 3"]:

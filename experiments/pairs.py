@@ -1,10 +1,12 @@
 """Planted pairs and the planes that the paper's estimators make of them: what three experiments share."""
 
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 import symjax
 from symjax import initial, metrics, sphere
+from symjax.metrics import AnyArray
 from symjax.plane import Plane
 from symjax.planted import PlantedPairs, planted_pairs
 
@@ -33,8 +35,9 @@ def pairs(seed: list[int], num_pairs: int, outliers: float, blob: str, place: st
     return PlantedPairs(x, y, pool.normal, pool.offset, inlier)
 
 
-def planes(x: Float[Array, "n 3"], y: Float[Array, "n 3"], sigma: float, restarts: int = 64) -> dict[str, Plane]:
+def planes(x: Float[AnyArray, "n 3"], y: Float[AnyArray, "n 3"], sigma: float, restarts: int = 64) -> dict[str, Plane]:
     """The plane of every one of `METHODS`. Call it under `jax.enable_x64(True)` for float64."""
+    x, y = jnp.asarray(x), jnp.asarray(y)
     swept = symjax.best(symjax.sweep(x, y, [sigma], sphere.fibonacci(restarts))).plane
     found = (
         symjax.fit_plane(x, y, sigma).plane,

@@ -76,7 +76,7 @@ def _offset_error(plane: Plane, truth: PlantedPairs) -> float:
     points = np.concatenate([truth.x, truth.y])
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     plane = Plane(plane.normal.astype(float), plane.offset.astype(float))
-    planted = Plane(truth.normal, np.float64(truth.offset))
+    planted = Plane(truth.normal, np.asarray(truth.offset))
     return float(metrics.offset_error(plane, planted, points.mean(axis=0), diagonal))
 
 

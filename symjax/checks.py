@@ -92,7 +92,7 @@ def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Ar
     return jnp.asarray(array, dtype)
 
 
-def checked_sigmas(sigmas: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "*s"]:
+def checked_sigmas(sigmas: Any, ndim: int, dtype: Any) -> Float[Array, "*s"]:
     """σ, a scalar (ndim 0) or a row of them (ndim 1).
 
     Raises:

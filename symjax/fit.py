@@ -1,5 +1,6 @@
 """The mirror plane of putative pairs: one fit, a sweep of fits, and the best of a sweep."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -216,7 +217,7 @@ def fit_plane(
 def sweep(
     x: Float[ArrayLike, "n 3"],
     y: Float[ArrayLike, "n 3"],
-    sigmas: Float[ArrayLike, "S"],
+    sigmas: Float[ArrayLike, "S"] | Sequence[float],
     v0s: Float[ArrayLike, "R 3"],
     *,
     weights: Float[ArrayLike, "n"] | None = None,

@@ -66,8 +66,8 @@ def assign_pairs(
     """Pairs (i, j), i < j, no point in two of them, of least total cost, the cheapest first.
 
     By default the paper's program is solved exactly for 2q directed matches i -> j, and the mutual ones are kept,
-    those with j -> i too: at most q pairs, fewer where points are matched in a ring or costs are equal, and possibly none. With
-    `symmetric` P = Pᵀ is imposed: exactly q pairs, of least total cost among all sets of q.
+    those with j -> i too: at most q pairs, fewer where points are matched in a ring or costs are equal, possibly
+    none. With `symmetric` P = Pᵀ is imposed: exactly q pairs, of least total cost among all sets of q.
 
     Costs at or above `penalty`, infinite ones among them, and the diagonal are prohibited rather than dear: such
     a match is wrong by construction, and one that only fills up the number would be noise. Wherever 2q matches

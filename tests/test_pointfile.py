@@ -346,6 +346,11 @@ def test_integers_and_fortran_order_in_npy(tmp_path):
         np.testing.assert_array_equal(back, CUBE)
 
 
+def test_a_signalling_nan_is_read_without_a_warning(tmp_path):
+    signalling = np.full((4, 3), 0x7FA00000, np.uint32).view(np.float32)
+    assert np.isnan(read_points(put(tmp_path, "a.npy", npy(signalling))).points).all()
+
+
 def test_missing_folder_empty_and_unknown(tmp_path):
     (tmp_path / "folder.ply").mkdir()
     for name, why in [

@@ -68,9 +68,11 @@ def read_points(
     suffix = path.suffix.lower()
     try:
         _check_file(path, suffix)
-        if suffix in MESHES:
-            return _sampled(MESHES[suffix](path.read_bytes()), num_samples, np.random.default_rng(rng))
-        points, note = _read_npy(path) if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
+        # a signalling NaN warns when it is widened; NaN is for `detect` to judge
+        with np.errstate(invalid="ignore"):
+            if suffix in MESHES:
+                return _sampled(MESHES[suffix](path.read_bytes()), num_samples, np.random.default_rng(rng))
+            points, note = _read_npy(path) if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
         return _taken(points, note)
     except FileFormatError as error:
         raise FileFormatError(f"cannot read {str(path)!r}: {error}{_other_format(path, suffix)}") from error

@@ -1,0 +1,96 @@
+"""Every experiment runs at its smallest size and leaves rows, provenance and, where it has one, a picture."""
+
+import csv
+import dataclasses
+import importlib
+import json
+
+import numpy as np
+import pytest
+
+from experiments import report
+
+TINY = {
+    "articulated": ["--num-points", "3000"],
+    "deviation": ["--trials", "2"],
+    "equivariance": ["--kinds", "1"],
+    "landscape": [],
+    "planted": ["--trials", "2", "--exact-trials", "1"],
+    "road": ["--kinds", "1", "--data", "absent"],
+    "sphere": [],
+    "timing": ["--repeats", "1"],
+}
+DRAWN = ("articulated", "deviation", "landscape")
+
+
+@pytest.mark.parametrize("name", TINY)
+def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
+    module = importlib.import_module(f"experiments.{name}")
+    module.main(["--size", "small", "--out", str(tmp_path), *TINY[name]])
+    with (tmp_path / f"{name}.csv").open() as file:
+        assert len(list(csv.DictReader(file))) >= 1
+    about = json.loads((tmp_path / f"{name}.json").read_text())
+    assert about["command"].startswith(f"python -m experiments.{name} --size small")
+    assert {"config", "commit", "versions", "machine", "wall_seconds", "summary"} <= set(about)
+    if name in DRAWN:
+        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert f"{name} (small)" in capsys.readouterr().out
+
+
+def test_the_checks_meet_their_targets(tmp_path):
+    from experiments import checks
+
+    checks.main(["--size", "small", "--out", str(tmp_path), "--trials", "2", "--num-pairs", "60"])
+    with (tmp_path / "checks.csv").open() as file:
+        value = {row["check"]: float(row["value"]) for row in csv.DictReader(file)}
+    assert value["projected gradient, autodiff against closed form, relative"] <= 1e-13
+    assert value["derivative in omega, autodiff against closed form, relative"] <= 1e-13
+    assert value["slope of the Taylor error"] == pytest.approx(2, abs=0.05)
+    assert value["implicit derivative against central differences, relative"] <= 1e-6
+    assert value["last ratio of gradient norms above 1e-13"] <= 0.1
+    assert value["compilations of two sweeps of 3 sigmas and 19 starts"] == 1
+
+
+def test_the_estimator_withstands_what_the_baseline_does_not():
+    from experiments import deviation
+
+    config = dataclasses.replace(deviation.SIZES["small"], shares=(0.65,), blobs=("isotropic",))
+    rows = deviation.run(config)
+    median = {
+        method: np.median([r["angle"] for r in rows if r["method"] == method and r["outliers"] == "beside"])
+        for method in deviation.METHODS
+    }
+    assert median["L2E, 64 starts"] < 1.0
+    assert median["L2"] > 5 * median["L2E, 64 starts"]
+
+
+def test_absent_data_is_said_loudly(capsys):
+    from pathlib import Path
+
+    from experiments import clouds
+
+    assert list(clouds.real(Path("absent"), 100, 1)) == []
+    assert "ABSENT" in capsys.readouterr().err
+
+
+def test_real_models_are_posed_with_their_planes(models):
+    from experiments import clouds
+
+    for case in clouds.real(models.parent, 400, 1):
+        for plane in case.planes:
+            assert np.linalg.norm(plane.normal) == pytest.approx(1.0, abs=1e-6)
+            # a mirror plane passes through the middle of its object
+            middle = case.points.mean(axis=0)
+            assert abs(plane.signed_distance(middle[None])[0]) < 0.1 * case.diagonal
+
+
+def test_nothing_is_written_where_nothing_was_measured(tmp_path):
+    @dataclasses.dataclass(frozen=True)
+    class Config:
+        seed: int = 0
+
+    with pytest.raises(SystemExit, match="NOTHING WAS MEASURED"):
+        report.main(
+            "none.py", "Nothing.", {"full": Config()}, lambda _: [], lambda rows: rows, argv=["--out", str(tmp_path)]
+        )
+    assert not list(tmp_path.iterdir())
