@@ -56,11 +56,12 @@ def run(config: Config) -> list[Row]:
         return [row for check in checks for row in check(config)]
 
 
-def _row(check: str, measured: float, target: float, relation: str = "<=", note: str = "") -> Row:
+def _row(check: str, measured: float | Array, target: float, relation: str = "<=", note: str = "") -> Row:
+    measured = float(measured)
     passed = {"<=": measured <= target, "=": abs(measured - target) <= 0.05, ">=": measured >= target}[relation]
     return {
         "check": check,
-        "measured": float(measured),
+        "measured": measured,
         "target": f"{relation} {target:g}",
         "passed": bool(passed),
         "note": note,
@@ -235,13 +236,11 @@ def derivatives(config: Config) -> Iterator[Row]:
     """Implicit derivatives of the answer against central differences; forward, reverse, vmap, jit."""
     p = _planted(config)
     rng = np.random.default_rng(config.seed + 2)
-    values = {"x": p.x, "y": p.y, "weights": rng.uniform(0.5, 1.5, len(p.x)), "sigma": np.array(config.sigma)}
-    values = {name: jnp.asarray(value) for name, value in values.items()}
+    given = {"x": p.x, "y": p.y, "weights": rng.uniform(0.5, 1.5, len(p.x)), "sigma": np.array(config.sigma)}
+    values = {name: jnp.asarray(value) for name, value in given.items()}
     probe = jnp.asarray(rng.normal(size=4))
 
     def answer(values: dict[str, Array]) -> Float[Array, ""]:
-        v = values["x"].shape
-        assert v[1] == 3
         plane = symjax.fit_plane(
             values["x"],
             values["y"],
@@ -278,7 +277,7 @@ def _counted(counts: list[str]) -> Iterator[None]:
     """Appends to the list at every compilation in the block."""
     listening = [True]
 
-    def listen(event: str, seconds: float, **_: Any) -> None:
+    def listen(event: str, duration_secs: float, **_: Any) -> None:
         if listening[0] and event == COMPILED:
             counts.append(event)
 

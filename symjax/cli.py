@@ -87,7 +87,7 @@ def detect(
 ) -> None:
     """Find the mirror plane of the points or the mesh in FILE.
 
-    Reads PLY, OBJ, OFF, STL, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled by area.
+    Reads PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled by area.
     """
     outputs = {name: options.pop(name) for name in ("html", "png", "mirror", "save")}
     with _one_line_errors(debug), _progress(quiet) as announce:
@@ -201,9 +201,14 @@ def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda stage: None if stage in CHECKING else click.echo(f"symjax: {stage} ...", err=True)
         return
+    import shutil
+
     from tqdm import tqdm
 
-    with tqdm(total=0, leave=False, bar_format="symjax: {desc} [{elapsed}]", file=sys.stderr) as bar:
+    # tqdm itself shows nothing where a terminal does not tell its size
+    columns, rows = shutil.get_terminal_size()
+    layout = {"bar_format": "symjax: {desc} [{elapsed}]", "ncols": columns, "nrows": rows}
+    with tqdm(total=0, leave=False, file=sys.stderr, **layout) as bar:
         yield bar.set_description_str
 
 

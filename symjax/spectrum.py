@@ -24,6 +24,9 @@ NUM_EIGS = 20
 STAR_NEIGHBOURS = 30
 """Neighbours offered to each star (Sharp and Crane's number)."""
 
+GENERAL_POSITION = 1e-9
+"""Points are moved by this share of their extent, so that no two of the stars' triangles tie."""
+
 SHIFT = -1e-2
 """Shift of the inverse iteration, for a cloud of unit area, whose first positive eigenvalues are of order ten."""
 
@@ -143,10 +146,12 @@ def laplacian(
     itself = neighbours == np.arange(len(points))[:, None]
     itself[~itself.any(axis=1), -1] = True
     neighbours = neighbours[~itself].reshape(len(points), count)
+    stars = delaunay_stars(points, neighbours, normals=normals)
+    # Stars overlap, and the library glues equal triangles by a sort that ties: out of the tie's reach, rounding in the
+    # points does not turn it.
+    jitter = np.random.default_rng(0).normal(size=points.shape) * (GENERAL_POSITION * np.ptp(points))
     try:
-        matrix, mass = robust_laplacian.mesh_laplacian(
-            np.ascontiguousarray(points, dtype=float), delaunay_stars(points, neighbours, normals=normals)
-        )
+        matrix, mass = robust_laplacian.mesh_laplacian(np.ascontiguousarray(points + jitter, dtype=float), stars)
     except RuntimeError as error:
         raise SpectrumError(f"the Laplacian of {len(points)} points could not be built: {error}") from error
     # every triangle of a Delaunay triangulation stands in the stars of its three corners

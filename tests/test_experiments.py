@@ -40,15 +40,11 @@ def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, ca
 def test_the_checks_meet_their_targets(tmp_path):
     from experiments import checks
 
-    checks.main(["--size", "small", "--out", str(tmp_path), "--trials", "2", "--num-pairs", "60"])
+    checks.main(["--size", "small", "--out", str(tmp_path), "--problems", "2"])
     with (tmp_path / "checks.csv").open() as file:
-        value = {row["check"]: float(row["value"]) for row in csv.DictReader(file)}
-    assert value["projected gradient, autodiff against closed form, relative"] <= 1e-13
-    assert value["derivative in omega, autodiff against closed form, relative"] <= 1e-13
-    assert value["slope of the Taylor error"] == pytest.approx(2, abs=0.05)
-    assert value["implicit derivative against central differences, relative"] <= 1e-6
-    assert value["last ratio of gradient norms above 1e-13"] <= 0.1
-    assert value["compilations of two sweeps of 3 sigmas and 19 starts"] == 1
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 15
+    assert [row["check"] for row in rows if row["passed"] != "True"] == []
 
 
 def test_the_estimator_withstands_what_the_baseline_does_not():

@@ -1,1 +1,1 @@
-"""Point clouds and meshes in files: PLY, OBJ, OFF, STL, XYZ, TXT, CSV, NPY and PCD."""
+"""Point clouds and meshes in files: PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD."""

@@ -14,21 +14,28 @@ import numpy as np
 from jaxtyping import Float
 
 from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
-from symjax.files import mesh, meshfile, pcd, ply, textcloud
+from symjax.files import glb, mesh, meshfile, pcd, ply, textcloud
 from symjax.files.output import replacing
 
 NUM_SAMPLES = 20_000
 """Points sampled from a mesh: dense enough for what `detect` resolves, and quick."""
 
-MESHES = {".ply": ply.read, ".obj": meshfile.read_obj, ".off": meshfile.read_off, ".stl": meshfile.read_stl}
+MESHES = {
+    ".ply": ply.read,
+    ".obj": meshfile.read_obj,
+    ".off": meshfile.read_off,
+    ".stl": meshfile.read_stl,
+    ".glb": glb.read,
+}
 CLOUDS = {".pcd": pcd.read, ".xyz": textcloud.read, ".txt": textcloud.read, ".csv": textcloud.read}
-FORMATS = ("PLY", "OBJ", "OFF", "STL", "XYZ", "TXT", "CSV", "NPY", "PCD")
+FORMATS = ("PLY", "OBJ", "OFF", "STL", "GLB", "XYZ", "TXT", "CSV", "NPY", "PCD")
 SIGNATURES = {
     b"ply\n": "PLY",
     b"ply\r": "PLY",
     b"OFF": "OFF",
     b"\x93NUMPY": "NPY",
     b"# .PCD": "PCD",
+    b"glTF": "GLB",
     b"PK\x03\x04": "ZIP",
 }
 
@@ -45,9 +52,9 @@ def read_points(
 ) -> PointFile:
     """Read a point cloud, or sample one from a mesh.
 
-    PLY, OBJ, OFF and STL with faces are sampled uniformly by area; everything else is taken as it is. Read are also
-    XYZ, TXT and CSV (three columns or more, any usual delimiter, one header line), NPY and PCD. Nothing in a file is
-    ever executed, and no other file is opened for it.
+    PLY, OBJ, OFF, STL and GLB with faces are sampled uniformly by area; everything else is taken as it is. Read are
+    also XYZ, TXT and CSV (three columns or more, any usual delimiter, one header line), NPY and PCD. Nothing in a file
+    is ever executed, and no other file is opened for it.
 
     Args:
         path: file to read; its extension, in any case, says the format.
