@@ -69,7 +69,7 @@ def _options(command: Callable[..., None]) -> Callable[..., None]:
     "--sigma",
     type=float,
     metavar="FRACTION",
-    help="Scale of the residual, a fraction of the diagonal.  [default: 1.5 keypoint spacings]",
+    help="Scale of the residual, a fraction of the diagonal.  [default: 1.4 keypoint spacings]",
 )
 @click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, help="Seed of everything random.")
 @click.option("--restarts", type=int, metavar="N", help="Starts of the estimator.  [default: 64]")

@@ -38,8 +38,8 @@ class Correspondences(NamedTuple):
 
     Attributes:
         rows: rows of the two points of every pair in the cloud.
-        spacing: root mean squared distance of the cloud's points from their nearest keypoint: what separates a
-            point's mirror image from the best possible match.
+        spacing: median distance of the cloud's points from the nearest keypoint other than themselves: what
+            separates a point's mirror image from the best possible match.
         notes: what was found, as sentences.
     """
 
@@ -74,7 +74,7 @@ class SymHKS(NamedTuple):
     whitened: bool = True
     num_signs: int = NUM_SIGNS
     num_pairs: int | None = None
-    separation: float = 2.0
+    separation: float = 1.9
     symmetric: bool = False
 
     def check(self) -> None:

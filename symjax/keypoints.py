@@ -32,7 +32,7 @@ NUM_KEYPOINTS = 500
 class Keypoints(NamedTuple):
     """Rows of the cloud: first the `num_salient` intrinsic shape signatures, then farthest-point samples.
 
-    `spacing` is the root mean squared distance of the cloud's points from their nearest keypoint.
+    `spacing` is the median distance of the cloud's points from the nearest keypoint other than themselves.
     """
 
     rows: Int[np.ndarray, "a"]
@@ -55,8 +55,15 @@ def keypoints(
     """
     count = min(num_keypoints, len(points))
     salient = shape_signatures(points, radius=_bounded_radius(points, radius))[: count // 2]
-    index, squared = farthest_points(points, count, seeds=salient)
-    return Keypoints(index, len(salient), float(np.sqrt(squared.mean())))
+    rows = farthest_points(points, count, seeds=salient)
+    return Keypoints(rows, len(salient), _spacing(points, rows))
+
+
+def _spacing(points: Float[np.ndarray, "n 3"], rows: Int[np.ndarray, "a"]) -> float:
+    distance = cKDTree(points[rows]).query(points, k=2)[0]
+    nearest = distance[:, 0].copy()
+    nearest[rows] = distance[rows, 1]
+    return float(np.median(nearest))
 
 
 def _bounded_radius(points: Float[np.ndarray, "n 3"], radius: float) -> float:
@@ -100,8 +107,8 @@ def shape_signatures(
 
 def farthest_points(
     points: Float[np.ndarray, "n 3"], num_keypoints: int, *, seeds: Int[np.ndarray, "s"] | None = None
-) -> tuple[Int[np.ndarray, "a"], Float[np.ndarray, "n"]]:
-    """Rows of `num_keypoints` points, each the farthest from those before it; and every point's squared distance.
+) -> Int[np.ndarray, "a"]:
+    """Rows of `num_keypoints` points, each the farthest from those before it.
 
     Args:
         points: the cloud.
@@ -115,7 +122,7 @@ def farthest_points(
     while len(index) < num_keypoints:
         index.append(int(np.argmax(squared)))
         np.minimum(squared, ((points - points[index[-1]]) ** 2).sum(axis=1), out=squared)
-    return np.asarray(index), squared
+    return np.asarray(index)
 
 
 def _scatter_eigenvalues(

@@ -20,9 +20,9 @@ from symjax.stages import Stages
 
 METHODS = ("sym-hks",)
 
-SIGMA_SPACINGS = 1.5
+SIGMA_SPACINGS = 1.4
 """Scale σ of the residual (not printed in the paper) in spacings of the keypoints, where it is not given. The keypoint
-nearest to a point's mirror image is one spacing off in the root mean square, and the matched one is often a neighbour
+nearest to a point's mirror image is one spacing off on the median, and the matched one is often a neighbour
 of that. From 1 to 2.5 spacings the answers hardly change."""
 
 INLIER_WEIGHT = float(np.exp(-0.5 * chi2.ppf(0.95, df=3)))

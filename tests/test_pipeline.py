@@ -218,6 +218,18 @@ def test_a_large_cloud_is_thinned_and_said_to_be(rng):
     assert detection.plane.angle(Plane(NORMAL, 0.0)) < 3.0
 
 
+def test_a_small_cloud_gets_a_plane(rng):
+    detection = symjax.detect(creature(rng, 300))
+    assert len(detection.pairs.rows) >= 3
+    assert 0 < detection.sigma < 0.2
+
+
+def test_a_point_far_away_is_no_disaster(cloud):
+    with pytest.warns(ComponentsWarning):
+        detection = symjax.detect(np.concatenate([cloud, [[1e6, 0.0, 0.0]]]))
+    assert len(detection.pairs.rows) >= 3
+
+
 def test_the_global_flags_stay_as_they_were(cloud):
     import jax
 
