@@ -89,7 +89,7 @@ def summary(rows: list[Row]) -> list[Row]:
 def _costs(
     normals: Float[Array, "p 3"], sigma: float, x: Float[Array, "n 3"], y: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "p"], Float[Array, "p"]]:
-    """Mean squared residual, and −f of Eq. 6, at every normal and its best offset."""
+    """Mean squared residual, and −f of Eq. 5, at every normal and its best offset."""
 
     def cost(v: Float[Array, "3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         mean = jnp.mean(0.5 * (x + y), axis=0)

@@ -85,7 +85,7 @@ class Detection:
         return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
 
     def complete(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "2n 3"]:
-        """The completed object P ∪ Q (Sec. 4.5): the points, by default those given, and their mirror images.
+        """The completed object P ∪ Q (Sec. 5.6): the points, by default those given, and their mirror images.
 
         Raises:
             InvalidArgumentError: neither passed nor kept.

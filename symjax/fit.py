@@ -183,7 +183,7 @@ def fit_plane(
     max_steps: int = MAX_STEPS,
     tol: float | None = None,
 ) -> Fit:
-    """Fits the mirror plane of putative pairs by the L2E estimator (paper, Eq. 6), from one start.
+    """Fits the mirror plane of putative pairs by the L2E estimator (paper, Eq. 5), from one start.
 
     Pure JAX: it goes through jit, vmap and grad. The answer has derivatives in x, y, weights and sigma,
     forward and reverse, by the implicit function theorem; none in v0. The criterion has many local optima:

@@ -128,7 +128,7 @@ def rga_normal(
 def pca_normal(
     x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, "n"] | None = None
 ) -> Float[Array, "3"]:
-    """The classical start: the least principal direction of the centred mid-points (paper, Sec. 3.1)."""
+    """The classical start: the least principal direction of the centred mid-points (paper, Sec. 3.2)."""
     u, weights = _centred_midpoints(x, y, weights)
     return jnp.linalg.eigh((weights[:, None] * u).T @ u)[1][:, 0]
 

@@ -35,7 +35,7 @@ def squared_residuals(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array
 
 
 def polynomial_f(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array, "n"]:
-    """f_i as printed below Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ.
+    """f_i as printed before Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ.
 
     It loses digits to cancellation; `squared_residuals` is the form to compute with.
     """
@@ -49,7 +49,7 @@ def l2e_weights(v: Vector, omega: Real, sigma: Real, x: Pairs, y: Pairs) -> Floa
 
 
 def l2e_objective(v: Vector, omega: Real, sigma: Real, x: Pairs, y: Pairs) -> Scalar:
-    """f(v, ω) of Eq. 6, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
+    """f(v, ω) of Eq. 5, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
     return 2 * jnp.mean(l2e_weights(v, omega, sigma, x, y)) / (2 * math.pi * sigma**2) ** 1.5
 
 
@@ -113,7 +113,7 @@ def log_objective(
     """The logarithm log Σ w_i exp(−f_i/2σ²), to be maximised.
 
     It has the optimum of `l2e_objective` without its underflow: in float64 every weight is exactly 0 beyond
-    37.6σ (13.2σ in float32), where the gradient of Eq. 6 vanishes and a gradient test passes falsely; the
+    37.6σ (13.2σ in float32), where the gradient of Eq. 5 vanishes and a gradient test passes falsely; the
     logarithm keeps its slope everywhere.
     """
     exponents = -squared_residuals(v, omega, x, y) / (2 * sigma**2)

@@ -44,7 +44,7 @@ def diffusion_times(
 
 
 def heat_kernel_signatures(spectrum: Spectrum, times: Float[np.ndarray, "p"]) -> Float[np.ndarray, "n p"]:
-    """Heat kernel signatures Σ_j exp(-t λ_j) φ_j² of all points (the paper's Eq. for h_i), times the area.
+    """Heat kernel signatures Σ_j exp(-t λ_j) φ_j² of all points (the paper's Eq. 9), times the area.
 
     The printed signature is not scale invariant, since eigenfunctions normalised by area shrink as the cloud grows;
     times the area it is.

@@ -21,7 +21,7 @@ def normalise(u: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def tangent_projection(v: Float[Array, "3"], u: Float[Array, "3"]) -> Float[Array, "3"]:
-    """P_v(u) = u − (u·v)v, the part of u in the tangent plane at v (paper, Sec. 3.1)."""
+    """P_v(u) = u − (u·v)v, the part of u in the tangent plane at v (paper, Sec. 3.2)."""
     return u - _dot(u, v) * v
 
 
