@@ -28,11 +28,13 @@ class Config:
     Attributes:
         num_points: points of the cloud.
         bends: angles, in degrees, by which the left leg is swung forward.
+        drawn: the angle that is drawn.
         seed: of the figure.
     """
 
     num_points: int = 8000
     bends: tuple[float, ...] = (0.0, 30.0, 60.0, 90.0)
+    drawn: float = 60.0
     seed: int = 1
 
 
@@ -82,7 +84,7 @@ def _share(found: Detection, points: Float[np.ndarray, "n 3"], *, above: bool) -
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Symjax's own picture of the figure with the leg swung furthest."""
-    symjax.detect(posed(config, max(config.bends)), rng=0).picture(path)
+    symjax.detect(posed(config, config.drawn), rng=0).picture(path)
 
 
 def main(argv: Sequence[str] | None = None) -> None:

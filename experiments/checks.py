@@ -224,7 +224,7 @@ def precision(config: Config) -> Iterator[Row]:
     """float32 against float64."""
     p = _planted(config)
     double, single = (
-        symjax.fit_plane(jnp.asarray(p.x, dtype), jnp.asarray(p.y, dtype), config.sigma)
+        symjax.fit_plane(jnp.asarray(p.x, dtype), jnp.asarray(p.y, dtype), config.sigma, jnp.asarray(p.normal, dtype))
         for dtype in (jnp.float64, jnp.float32)
     )
     apart = metrics.deviation_angle(np.asarray(double.plane.normal), np.asarray(single.plane.normal, float))
@@ -241,19 +241,13 @@ def derivatives(config: Config) -> Iterator[Row]:
     probe = jnp.asarray(rng.normal(size=4))
 
     def answer(values: dict[str, Array]) -> Float[Array, ""]:
-        plane = symjax.fit_plane(
-            values["x"],
-            values["y"],
-            values["sigma"],
-            p.normal,
-            weights=values["weights"],
-            tol=1e-12,
-            line_search="wolfe",
-        ).plane
+        x, y, sigma, weights = (values[name] for name in ("x", "y", "sigma", "weights"))
+        plane = symjax.fit_plane(x, y, sigma, p.normal, weights=weights, tol=1e-12).plane
         return jnp.sum(probe * jnp.append(plane.normal, plane.offset))
 
     slopes = jax.jit(jax.grad(answer))(values)
     compiled = jax.jit(answer)
+    jvp = jax.jit(lambda values, tangent: jax.jvp(answer, (values,), (tangent,))[1])
     worst = 0.0
     for name, value in values.items():
         direction = jnp.asarray(rng.normal(size=value.shape))
@@ -264,11 +258,11 @@ def derivatives(config: Config) -> Iterator[Row]:
         error = abs(reverse - central) / jnp.maximum(1, abs(central))
         yield _row(f"implicit derivative in {name} against central differences", error, 1e-6)
         tangent = {**jax.tree.map(jnp.zeros_like, values), name: direction}
-        forward = jax.jvp(answer, (values,), (tangent,))[1]
+        forward = jvp(values, tangent)
         worst = max(worst, float(abs(forward - reverse) / jnp.maximum(1, abs(reverse))))
     yield _row("jvp against jit(grad), relative", worst, 1e-9)
     stacked = jax.tree.map(lambda leaf: jnp.stack([leaf, 1.01 * leaf]), values)
-    together = jax.vmap(jax.grad(answer))(stacked)["x"][0]
+    together = jax.jit(jax.vmap(jax.grad(answer)))(stacked)["x"][0]
     yield _row("vmap(grad) against jit(grad): largest difference", jnp.abs(together - slopes["x"]).max(), 1e-9)
 
 
