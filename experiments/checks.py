@@ -1,12 +1,11 @@
 """The estimator's numeric checks: each measured value beside its target.
 
 Gradients against autodiff, the Welsch loss, Riemannian BFGS on a quadratic, second opinions on the optimum, the
-superlinear tail, jit and vmap, precisions, derivatives of the answer, compilations.
+superlinear tail. What becomes of a fit under JAX's transformations is in `experiments.transformations`.
 """
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,16 +15,14 @@ import numpy as np
 import scipy.optimize
 from jaxtyping import Array, Float
 
-import symjax
 from experiments import report
 from experiments.report import Row
-from symjax import metrics, objective
+from symjax import objective
 from symjax.alternation import alternate
 from symjax.bfgs import minimize
 from symjax.planted import PlantedPairs, planted_pairs
-from symjax.sphere import SPHERE, SPHERE_LINE, exponential, fibonacci, random_points, tangent_projection
+from symjax.sphere import SPHERE, SPHERE_LINE, exponential, random_points, tangent_projection
 
-COMPILED = "/jax/core/compile/backend_compile_duration"
 """JAX's own event of one compilation."""
 
 
@@ -51,12 +48,13 @@ SIZES = {"full": Config(), "small": Config(problems=3, num_pairs=60)}
 
 def run(config: Config) -> list[Row]:
     """One row a check; under float64."""
-    checks = (gradients, taylor, welsch, quadratic, optima, tail, transformations, precision, derivatives, compilations)
+    checks = (gradients, taylor, welsch, quadratic, optima, tail)
     with jax.enable_x64(True):
         return [row for check in checks for row in check(config)]
 
 
-def _row(check: str, measured: float | Array, target: float, relation: str = "<=", note: str = "") -> Row:
+def row(check: str, measured: float | Array, target: float, relation: str = "<=", note: str = "") -> Row:
+    """A measured value, its target, and whether it is met."""
     measured = float(measured)
     passed = {"<=": measured <= target, "=": abs(measured - target) <= 0.05, ">=": measured >= target}[relation]
     return {
@@ -76,7 +74,8 @@ def _problem(config: Config, k: int) -> tuple[Array, Array, float, Array, Array]
     return jnp.asarray(v / np.linalg.norm(v)), jnp.asarray(rng.normal() / 4), 0.4, jnp.asarray(x), jnp.asarray(y)
 
 
-def _planted(config: Config) -> PlantedPairs:
+def planted(config: Config) -> PlantedPairs:
+    """Pairs of which half are wrong."""
     return planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin", shift=0.0)
 
 
@@ -92,7 +91,7 @@ def gradients(config: Config) -> Iterator[Row]:
         size = jnp.sqrt(jnp.sum(closed**2) + grad_omega**2)
         errors.append((jnp.linalg.norm(auto - closed) / size, abs(auto_omega - grad_omega) / size))
     for name, error in zip(("projected gradient in v", "gradient in omega"), np.max(errors, axis=0), strict=True):
-        yield _row(f"{name}: autodiff against closed form, relative", error, 1e-13)
+        yield row(f"{name}: autodiff against closed form, relative", error, 1e-13)
 
 
 def taylor(config: Config) -> Iterator[Row]:
@@ -108,7 +107,7 @@ def taylor(config: Config) -> Iterator[Row]:
         error = np.abs(np.asarray(moved) - value - steps * slope)
         slopes.append(np.polyfit(np.log(steps), np.log(error), 1)[0])
     worst = slopes[int(np.argmax(np.abs(np.asarray(slopes) - 2)))]
-    yield _row("slope of the Taylor error", worst, 2, "=", f"farthest from 2 of {config.problems}; within 0.05")
+    yield row("slope of the Taylor error", worst, 2, "=", f"farthest from 2 of {config.problems}; within 0.05")
 
 
 def welsch(config: Config) -> Iterator[Row]:
@@ -120,7 +119,7 @@ def welsch(config: Config) -> Iterator[Row]:
         rho = 1 - jnp.exp(-0.5 * jnp.sum((y - image) ** 2, axis=1) / sigma**2)
         expected = (4 * np.pi * sigma**2) ** -1.5 - 2 * (2 * np.pi * sigma**2) ** -1.5 * (1 - jnp.mean(rho))
         errors.append(abs(objective.l2e_loss(v, omega, sigma, x, y) / expected - 1))
-    yield _row("L2E loss against Barron's Welsch loss, relative", max(errors), 1e-12)
+    yield row("L2E loss against Barron's Welsch loss, relative", max(errors), 1e-12)
 
 
 def quadratic(config: Config) -> Iterator[Row]:
@@ -132,7 +131,7 @@ def quadratic(config: Config) -> Iterator[Row]:
     for line_search in ("armijo", "wolfe"):
         solve = jax.jit(jax.vmap(lambda H, v, s=line_search: _quadratic(H, v, line_search=s).point))
         sine = np.linalg.norm(np.cross(solve(H, starts), smallest), axis=1)
-        yield _row(f"RBFGS ({line_search}) on v'Hv: sine to the smallest eigenvector", sine.max(), 1e-10)
+        yield row(f"RBFGS ({line_search}) on v'Hv: sine to the smallest eigenvector", sine.max(), 1e-10)
 
 
 def _quadratic(H: Float[Array, "3 3"], v: Float[Array, "3"], **options: Any) -> Any:
@@ -141,7 +140,7 @@ def _quadratic(H: Float[Array, "3 3"], v: Float[Array, "3"], **options: Any) -> 
 
 def optima(config: Config) -> Iterator[Row]:
     """The optimum of the joint solver against four other opinions."""
-    p = _planted(config)
+    p = planted(config)
     x, y = jnp.asarray(p.x), jnp.asarray(p.y)
     v = p.normal + 0.1 * np.random.default_rng(config.seed + 1).normal(size=3)
     z0 = jnp.append(v / np.linalg.norm(v), p.offset + 0.03)
@@ -163,9 +162,9 @@ def optima(config: Config) -> Iterator[Row]:
         try:
             other = solve()
         except ImportError:
-            yield {**_row(f"optimum of joint RBFGS and {name}", np.nan, target), "note": "jaxopt is not installed"}
+            yield {**row(f"optimum of joint RBFGS and {name}", np.nan, target), "note": "jaxopt is not installed"}
             continue
-        yield _row(f"optimum of joint RBFGS and {name}: largest difference", jnp.abs(other - joint).max(), target)
+        yield row(f"optimum of joint RBFGS and {name}: largest difference", jnp.abs(other - joint).max(), target)
 
 
 def _by_scipy(fun: Callable[[Array], Array], z0: Float[Array, "4"]) -> Float[Array, "4"]:
@@ -199,101 +198,7 @@ def tail(config: Config) -> Iterator[Row]:
     near = near[np.append(True, np.diff(near) != 0)]
     ratios = near[1:] / near[:-1]
     note = "ratios " + " ".join(f"{ratio:.1e}" for ratio in ratios)
-    yield _row("superlinear tail: last ratio of gradient norms", ratios[-1], 0.01, note=note)
-
-
-def transformations(config: Config) -> Iterator[Row]:
-    """Fits under jit and vmap are those without."""
-    p = _planted(config)
-    x, y = jnp.asarray(p.x), jnp.asarray(p.y)
-    starts = fibonacci(8)
-
-    def fit(v0: Float[Array, "3"]) -> Float[Array, "4"]:
-        plane = symjax.fit_plane(x, y, config.sigma, v0).plane
-        return jnp.append(plane.normal, plane.offset)
-
-    alone = jnp.stack([fit(v0) for v0 in starts])
-    yield _row("jit = no jit: largest difference", jnp.abs(jax.jit(fit)(starts[0]) - alone[0]).max(), 1e-12)
-    yield _row("vmap = Python loop: largest difference", jnp.abs(jax.vmap(fit)(starts) - alone).max(), 1e-12)
-    swept = symjax.sweep(x, y, [config.sigma], starts).plane
-    swept_rows = jnp.concatenate([swept.normal[0], swept.offset[0][:, None]], axis=1)
-    yield _row("sweep = Python loop: largest difference", jnp.abs(swept_rows - alone).max(), 1e-12)
-
-
-def precision(config: Config) -> Iterator[Row]:
-    """float32 against float64."""
-    p = _planted(config)
-    double, single = (
-        symjax.fit_plane(jnp.asarray(p.x, dtype), jnp.asarray(p.y, dtype), config.sigma, jnp.asarray(p.normal, dtype))
-        for dtype in (jnp.float64, jnp.float32)
-    )
-    apart = metrics.deviation_angle(np.asarray(double.plane.normal), np.asarray(single.plane.normal, float))
-    note = f"{single.plane.normal.dtype}: {single.message}"
-    yield _row("float32 against float64, degrees", float(apart), 1e-3, note=note)
-
-
-def derivatives(config: Config) -> Iterator[Row]:
-    """Implicit derivatives of the answer against central differences; forward, reverse, vmap, jit."""
-    p = _planted(config)
-    rng = np.random.default_rng(config.seed + 2)
-    given = {"x": p.x, "y": p.y, "weights": rng.uniform(0.5, 1.5, len(p.x)), "sigma": np.array(config.sigma)}
-    values = {name: jnp.asarray(value) for name, value in given.items()}
-    probe = jnp.asarray(rng.normal(size=4))
-
-    def answer(values: dict[str, Array]) -> Float[Array, ""]:
-        x, y, sigma, weights = (values[name] for name in ("x", "y", "sigma", "weights"))
-        plane = symjax.fit_plane(x, y, sigma, p.normal, weights=weights, tol=1e-12).plane
-        return jnp.sum(probe * jnp.append(plane.normal, plane.offset))
-
-    slopes = jax.jit(jax.grad(answer))(values)
-    compiled = jax.jit(answer)
-    jvp = jax.jit(lambda values, tangent: jax.jvp(answer, (values,), (tangent,))[1])
-    worst = 0.0
-    for name, value in values.items():
-        direction = jnp.asarray(rng.normal(size=value.shape))
-        step = 1e-5
-        ends = [compiled({**values, name: value + side * step * direction}) for side in (1, -1)]
-        central = (ends[0] - ends[1]) / (2 * step)
-        reverse = jnp.sum(slopes[name] * direction)
-        error = abs(reverse - central) / jnp.maximum(1, abs(central))
-        yield _row(f"implicit derivative in {name} against central differences", error, 1e-6)
-        tangent = {**jax.tree.map(jnp.zeros_like, values), name: direction}
-        forward = jvp(values, tangent)
-        worst = max(worst, float(abs(forward - reverse) / jnp.maximum(1, abs(reverse))))
-    yield _row("jvp against jit(grad), relative", worst, 1e-9)
-    stacked = jax.tree.map(lambda leaf: jnp.stack([leaf, 1.01 * leaf]), values)
-    together = jax.jit(jax.vmap(jax.grad(answer)))(stacked)["x"][0]
-    yield _row("vmap(grad) against jit(grad): largest difference", jnp.abs(together - slopes["x"]).max(), 1e-9)
-
-
-@contextmanager
-def _counted(counts: list[str]) -> Iterator[None]:
-    """Appends to the list at every compilation of a sweep in the block."""
-    listening = [True]
-
-    def listen(event: str, duration_secs: float, **about: Any) -> None:
-        if listening[0] and event == COMPILED and "sweep" in str(about.get("fun_name")):
-            counts.append(event)
-
-    jax.monitoring.register_event_duration_secs_listener(listen)
-    try:
-        yield
-    finally:
-        listening[0] = False
-
-
-def compilations(config: Config) -> Iterator[Row]:
-    """Compilations of a whole sweep, and of its repetition on other pairs, scales and starts."""
-    # a number of pairs that nothing else has, or it would be compiled already
-    p = planted_pairs(np.random.default_rng(config.seed), config.num_pairs + 7, 0.5, "thin")
-    starts = fibonacci(20)
-    inputs = [(p.x, p.y, [0.03, 0.05, 0.1], starts), (p.x + 1, p.y + 1, [0.02, 0.04, 0.08], -starts)]
-    as_arrays = [tuple(jax.block_until_ready(jnp.asarray(value)) for value in case) for case in inputs]
-    for case, name, relation in zip(as_arrays, ("a sweep of 3 x 20 fits", "its repetition"), (1, 0), strict=True):
-        counts: list[str] = []
-        with _counted(counts):
-            jax.block_until_ready(symjax.sweep(*case).loss)
-        yield _row(f"compilations of {name} on other pairs", len(counts), relation)
+    yield row("superlinear tail: last ratio of gradient norms", ratios[-1], 0.01, note=note)
 
 
 def summary(rows: list[Row]) -> list[Row]:
