@@ -117,7 +117,7 @@ def detect(
 
 
 @commands.command(context_settings={"show_default": True})
-@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=2, help="Seed of the object and its scan.")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, help="Seed of the object and its scan.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", default=Path(), help="Folder to write into.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @_options

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from symjax import metrics, report, samples
 from symjax.detection import Detection
+from symjax.pictures.picture import write_png
 from symjax.pictures.plot import write_html
 from symjax.pipeline import detect
 from symjax.plane import Plane
@@ -28,6 +29,8 @@ class Scan(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     truth: Plane
+    up: Float[np.ndarray, "3"]
+    """The object's upright direction: a random pose has none, and a picture should."""
 
 
 def make_scan(seed: int) -> Scan:
@@ -36,10 +39,13 @@ def make_scan(seed: int) -> Scan:
     No stray points: heat flows through them, and `sym-hks` takes few.
     """
     rng = np.random.default_rng(seed)
-    whole = samples.pose(samples.generate(KIND, num_points=NUM_POINTS, rng=rng), rng)
+    upright = samples.generate(KIND, num_points=NUM_POINTS, rng=rng)
+    whole = samples.pose(upright, rng)
     corrupted = samples.corrupt(whole.points, rng, missing=MISSING, noise=NOISE)
     truth = Plane(whole.normals[0], whole.offsets[0])
-    return Scan(corrupted.points, truth)
+    before, after = (points - points.mean(axis=0) for points in (upright.points, whole.points))
+    up = np.linalg.lstsq(before, after)[0][2]
+    return Scan(corrupted.points, truth, up)
 
 
 def run(folder: Path, *, seed: int, progress: Callable[[str], None]) -> list[str]:
@@ -59,9 +65,9 @@ def run(folder: Path, *, seed: int, progress: Callable[[str], None]) -> list[str
     detection = detect(scan.points, rng=seed, progress=progress)
     page, picture = (folder / name for name in FILES)
     progress(f"writing {page}")
-    write_html(detection, page)
+    write_html(detection, page, up=scan.up)
     progress(f"writing {picture}")
-    detection.picture(picture)
+    write_png(detection, picture, up=scan.up)
     return [
         f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size; seed {seed}.",
         *report.lines(detection),
