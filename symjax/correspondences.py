@@ -22,8 +22,8 @@ from symjax.spectrum import NUM_EIGS, Spectrum, spectrum
 from symjax.stages import Stages
 
 PAIRS_PER_KEYPOINT = 0.25
-"""q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair. From 15 to 40 % made no
-difference to the plane; below, thin shapes lose their pairs, and above, most pairs are wrong."""
+"""q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair. From 15 to 40 % the share
+of real models that were right changed by two or three in a hundred."""
 
 NUM_SIGNS = 12
 """Low eigenfunctions whose signs tell twins from neighbours. The paper's s_i has one sign a keypoint, which is a
@@ -49,11 +49,11 @@ class Correspondences(NamedTuple):
 
 
 class SymHKS(NamedTuple):
-    """Options of the correspondences. The defaults are the paper's where it prints one.
+    """Options of the correspondences. Where a default is not the paper's, its line says what the paper's is.
 
     Attributes:
         num_eigs: eigenfunctions k, the constant one included.
-        num_keypoints: keypoints.
+        num_keypoints: keypoints, topped up by farthest-point samples; the paper takes those that it finds.
         radius: radius r of the neighbourhood of intrinsic shape signatures, as a fraction of the diagonal.
         num_times: diffusion times p.
         times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
@@ -63,7 +63,7 @@ class SymHKS(NamedTuple):
         separation: least distance of the two points of a pair, in spacings of the keypoints: points nearer than the
             residual's scale are one patch, and agree with any plane through it. 0 is the paper's, which leaves this
             to the signs alone.
-        symmetric: the exact symmetric matching instead of the assignment; for up to some hundred keypoints.
+        symmetric: the exact symmetric matching instead of the assignment; for at most 300 keypoints.
     """
 
     num_eigs: int = NUM_EIGS
