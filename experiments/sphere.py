@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from experiments import report
 from experiments.report import Row
-from symjax.spectrum import spectrum
+from symjax.symhks.spectrum import spectrum
 
 SHIFT = 1e6
 

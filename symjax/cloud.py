@@ -4,7 +4,7 @@ import warnings
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
 from symjax.errors import (
@@ -16,12 +16,17 @@ from symjax.errors import (
     PrecisionWarning,
     TooFewPointsError,
 )
+from symjax.floor import floor_rows
+from symjax.outliers import scattered
 
 MIN_POINTS = 50
 """Fewer points carry no spectrum worth the name; pairs alone can still be fitted."""
 
 MAX_POINTS = 10_000
 """More points than this are thinned: the answer's accuracy is the keypoints', which does not grow with them."""
+
+DENSITY_POINTS = 30_000
+"""Points among which outliers are looked for, drawn evenly from more: a grid would make all densities alike."""
 
 COINCIDENT = 1e-9
 """Points closer than about this share of the diagonal count as one."""
@@ -64,6 +69,8 @@ def prepare(
     *,
     nonfinite: Literal["raise", "drop"] = "raise",
     max_points: int = MAX_POINTS,
+    drop_scattered: bool = False,
+    drop_floor: bool = False,
 ) -> Cloud:
     """Check, centre, scale, merge and thin a cloud.
 
@@ -71,6 +78,9 @@ def prepare(
         points: (n, 3) real numbers in any units, anywhere.
         nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity and say so.
         max_points: larger clouds are thinned to at most this many, deterministically and whatever their pose.
+        drop_scattered: leave out the points that lie in space and not on a surface (see `symjax.outliers`), so that
+            centre, frame and scale are those of the surface.
+        drop_floor: leave out the dominant plane that a scan stands on (see `symjax.floor`).
 
     Raises:
         InvalidPointsError: no (n, 3) array of real numbers.
@@ -87,38 +97,83 @@ def prepare(
     notes: list[str] = []
     index = _finite_rows(given, nonfinite, notes)
     _require(len(index), "points")
-    values = given[index]
+    posed = _posed(given[index])
+    _warn_of_precision(points, posed)
+    rows = np.argsort(posed.points[:, 0], kind="stable")
+    if drop_scattered or drop_floor:
+        rows = rows[_evenly(len(rows), DENSITY_POINTS)]
+        rows = rows[_merge(posed.points[rows], notes)]
+        if drop_scattered:
+            rows = _without(rows, scattered(posed.points[rows]), "are scattered outliers and were left out", notes)
+        floor = floor_rows(posed.points[rows]) if drop_floor else None
+        if floor is not None:
+            rows = _without(rows, floor.rows, "lie on the floor and were left out", notes)
+        index = index[rows]
+        _require(len(index), "points that are neither outliers nor floor")
+        posed = _posed(given[index])
+        rows = np.argsort(posed.points[:, 0], kind="stable")
+    if posed.flat:
+        notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
+    if len(rows) > max_points:
+        rows = rows[_thin(posed.points[rows], max_points)]
+        notes.append(f"thinned from {len(given)} to {len(rows)} points on a grid")
+    if not (drop_scattered or drop_floor):
+        rows = rows[_merge(posed.points[rows], notes)]
+    _require(len(rows), "distinct points")
+    return Cloud(posed.points[rows], index[rows], posed.frame, posed.centre, posed.diagonal, len(given), tuple(notes))
 
+
+def _without(
+    rows: Int[np.ndarray, "n"], dropped: Bool[np.ndarray, "n"], why: str, notes: list[str]
+) -> Int[np.ndarray, "m"]:
+    if dropped.any():
+        notes.append(f"{np.count_nonzero(dropped)} of {len(rows)} points {why}")
+    return rows[~dropped]
+
+
+class _Posed(NamedTuple):
+    """Points in their principal frame about their mean, in units of their diagonal, and the way back."""
+
+    points: Float[np.ndarray, "n 3"]
+    frame: Float[np.ndarray, "3 3"]
+    centre: Float[np.ndarray, "3"]
+    diagonal: float
+    extent: float
+    flat: bool
+
+
+def _posed(values: Float[np.ndarray, "n 3"]) -> _Posed:
     centre, extent = _middle(values)
     if extent == 0:
-        raise DegenerateCloudError(f"all {len(index)} points coincide: no mirror plane is defined")
-    offset = float(np.abs(centre).max())
-    if np.asarray(points).dtype == np.float32 and offset / extent > FAR_FOR_FLOAT32:
-        warnings.warn(
-            f"float32 points {offset / extent:.0e} times their extent away from the origin have lost most of "
-            "their digits: subtract their mean before storing them, or use float64",
-            PrecisionWarning,
-            stacklevel=3,
-        )
+        raise DegenerateCloudError(f"all {len(values)} points coincide: no mirror plane is defined")
     unit = (values - centre) / extent
     singular, frame = _principal_frame(unit)
     if singular[1] < FLAT * singular[0]:
-        raise DegenerateCloudError(f"the {len(index)} points lie on one line: no mirror plane is defined")
-    if singular[2] < FLAT * singular[0]:
-        notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
+        raise DegenerateCloudError(f"the {len(values)} points lie on one line: no mirror plane is defined")
     own = unit @ frame
-    frame = frame * np.where((own**3).sum(axis=0) < 0, -1.0, 1.0)
-    own = unit @ frame
+    sign = np.where((own**3).sum(axis=0) < 0, -1.0, 1.0)
+    frame, own = frame * sign, own * sign
     diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
-    own /= diagonal
+    flat = bool(singular[2] < FLAT * singular[0])
+    return _Posed(own / diagonal, frame, centre, diagonal * extent, extent, flat)
 
-    rows = np.argsort(own[:, 0], kind="stable")
-    if len(rows) > max_points:
-        rows = rows[_thin(own[rows], max_points)]
-        notes.append(f"thinned from {len(own)} to {len(rows)} points on a grid")
-    rows = rows[_merge(own[rows], notes)]
-    _require(len(rows), "distinct points")
-    return Cloud(own[rows], index[rows], frame, centre, diagonal * extent, len(given), tuple(notes))
+
+def _warn_of_precision(points: ArrayLike, posed: _Posed) -> None:
+    offset = float(np.abs(posed.centre).max())
+    if np.asarray(points).dtype == np.float32 and offset / posed.extent > FAR_FOR_FLOAT32:
+        warnings.warn(
+            f"float32 points {offset / posed.extent:.0e} times their extent away from the origin have lost most of "
+            "their digits: subtract their mean before storing them, or use float64",
+            PrecisionWarning,
+            stacklevel=4,
+        )
+
+
+def _evenly(count: int, most: int) -> Int[np.ndarray, "m"]:
+    """At most so many of the numbers below `count`, drawn by a fixed seed: what is thinned evenly keeps its density."""
+    if count <= most:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
 def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:

@@ -11,13 +11,14 @@ from jaxtyping import ArrayLike, Float, Int
 
 from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.files.output import replacing
+from symjax.finding import Axis, Candidate, Symmetry
 from symjax.plane import Plane
-from symjax.search import Candidate
+from symjax.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-FORMAT = "symjax detection 1"
+FORMAT = "symjax detection 2"
 
 
 class Pairs(NamedTuple):
@@ -27,7 +28,8 @@ class Pairs(NamedTuple):
         x: one end of every pair, in the units of the given points.
         y: the other end.
         rows: rows of the two ends in the given points.
-        weight: L2E weight exp(-f_i / 2σ²) at the plane, between 0 and 1.
+        weight: how well each pair agrees with the plane, 0 to 1: by `robust` the agreement of mirror image and surface
+            in place and normal, by `sym-hks` the L2E weight exp(-f_i / 2σ²).
     """
 
     x: Float[np.ndarray, "m 3"]
@@ -43,11 +45,16 @@ class Detection:
     Attributes:
         plane: the plane `normal · x = offset`, of canonical sign.
         found: whether `score` exceeds `threshold`.
-        score: mean L2E weight of the pairs at the plane, between 0 and 1.
-        threshold: what the score must exceed: a multiple of what the same pairs give at random planes.
-        candidates: the distinct optima of the restarts, best first; the first is `plane`.
+        ambiguous: whether other candidates are as good: several mirror planes, or all planes through an axis.
+        symmetry: "none", "one plane", "several planes", "axis" or "sphere".
+        axis: point and direction of the axis of a continuous symmetry, or None.
+        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, support over support and blame of the mirrored
+            points; by `sym-hks`, mean L2E weight of the pairs.
+        threshold: what the score must exceed, from what other planes reach on the same cloud.
+        candidates: distinct planes, best first; the first is `plane`.
+        uncertainty: standard errors of normal and offset with their covariance, or None where the method has none.
         pairs: the matched points.
-        inlier_fraction: share of the pairs whose residual is one of a Gaussian of scale σ (95 % of it).
+        inlier_fraction: share of the pairs that agree with the plane.
         converged: whether the solver converged.
         message: how it ended, a sentence.
         method: name of the method.
@@ -63,9 +70,13 @@ class Detection:
 
     plane: Plane
     found: bool
+    ambiguous: bool
+    symmetry: Symmetry
+    axis: Axis | None
     score: float
     threshold: float
     candidates: tuple[Candidate, ...]
+    uncertainty: Uncertainty | None
     pairs: Pairs
     inlier_fraction: float
     converged: bool
@@ -144,9 +155,9 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
         pairs = values.pop("pairs")
         return Detection(
             plane=_plane(values.pop("plane")),
-            candidates=tuple(
-                Candidate(_plane(c["plane"]), float(c["loss"]), float(c["score"])) for c in values.pop("candidates")
-            ),
+            axis=_arrays(values.pop("axis")),
+            candidates=tuple(Candidate(_plane(c["plane"]), float(c["score"])) for c in values.pop("candidates")),
+            uncertainty=_uncertainty(values.pop("uncertainty")),
             pairs=Pairs(
                 np.array(pairs["x"], dtype=float).reshape(-1, 3),
                 np.array(pairs["y"], dtype=float).reshape(-1, 3),
@@ -164,6 +175,17 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
 def _plane(values: dict[str, Any]) -> Plane:
     normal, offset = (np.array(values[name], dtype=float) for name in ("normal", "offset"))
     return Plane(normal.reshape(3), offset.reshape(()))
+
+
+def _arrays(values: list[list[float]] | None) -> Any:
+    return None if values is None else tuple(np.array(value, dtype=float).reshape(3) for value in values)
+
+
+def _uncertainty(values: dict[str, Any] | None) -> Uncertainty | None:
+    if values is None:
+        return None
+    shapes = {"covariance": (3, 3), "tangents": (2, 3), "centre": (3,)}
+    return Uncertainty(**{name: np.array(values[name], dtype=float).reshape(s) for name, s in shapes.items()})
 
 
 def _plain(value: Any) -> Any:

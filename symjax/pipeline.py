@@ -6,65 +6,66 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import ArrayLike, Float
-from scipy.stats import chi2
 
 from symjax.cloud import MAX_POINTS, Cloud, as_points, prepare
-from symjax.correspondences import SymHKS, sym_hks
 from symjax.detection import Detection, Pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError
 from symjax.files.pointfile import read_points
-from symjax.fit import SOLVERS
+from symjax.finding import Candidate, Finding
 from symjax.plane import Plane
-from symjax.search import search
+from symjax.robust import method as robust
 from symjax.stages import Stages
+from symjax.symhks import method as symhks
+from symjax.symhks.correspondences import SymHKS
+from symjax.uncertainty import Uncertainty
 
-METHODS = ("sym-hks",)
+METHODS = ("robust", "sym-hks")
 
-SIGMA_SPACINGS = 1.4
-"""Scale σ of the residual (not printed in the paper) in spacings of the keypoints, where it is not given. The keypoint
-nearest to a point's mirror image is one spacing off on the median, and the matched one is often a neighbour
-of that. From 1 to 2.5 spacings the answers hardly change."""
-
-INLIER_WEIGHT = float(np.exp(-0.5 * chi2.ppf(0.95, df=3)))
-"""A pair is an inlier where its residual lies within the ball that holds 95 % of a Gaussian of scale σ."""
-
-RESTARTS = 64
-"""Starts of the estimator, the paper's among them."""
+MAX_PLANES = 9
+"""Candidates returned: a cube has nine planes."""
 
 
 def detect(
     points: Float[ArrayLike, "n 3"] | str | os.PathLike[str],
-    method: str = "sym-hks",
+    method: str = "robust",
     *,
     normals: Float[ArrayLike, "n 3"] | None = None,
     rng: int | np.random.Generator = 0,
-    sigma: float | None = None,
-    restarts: int = RESTARTS,
-    solver: str = "joint",
-    options: SymHKS | None = None,
+    init: Plane | None = None,
+    max_planes: int = MAX_PLANES,
+    drop_outliers: bool | None = None,
+    remove_floor: bool = False,
     nonfinite: Literal["raise", "drop"] = "raise",
     max_points: int = MAX_POINTS,
+    sigma: float | None = None,
+    restarts: int | None = None,
+    solver: str | None = None,
+    options: SymHKS | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Detection:
-    """Finds the plane of reflection symmetry of a point cloud by the paper's Algorithm 1.
+    """Finds the plane of reflection symmetry of a point cloud.
 
-    Correspondences by Sym-HKS, then the L2E estimator from several starts. Everything is computed in float64;
-    JAX's global precision is left alone.
+    Everything reported is computed in float64; JAX's global precision is left alone.
 
     Args:
         points: the cloud, in any units and anywhere; or a file of it.
-        method: `"sym-hks"`.
+        method: `"robust"`: planes from many hypotheses, L2E with correspondences that follow the plane, and a
+            verification on the cloud, for clouds with outliers, holes and noise. Or `"sym-hks"`: the paper's Algorithm 1,
+            correspondences by heat kernel signatures made once.
         normals: surface normals of the points, of either orientation; estimated where not given.
-        rng: seed, or generator, of the random planes that the score is compared with (and of the sampling, where
-            the file is a mesh).
-        sigma: scale σ of the residual as a fraction of the cloud's diagonal; None takes it from the keypoints'
-            spacing.
-        restarts: number of starts: the robust Grassmann average of the paper first, then the principal direction,
-            the least-squares plane, the planes of the best single pairs, and even directions.
-        solver: `"joint"`, or `"alternating"` as the paper has it: the same optimum, slower.
-        options: of the correspondences.
+        rng: seed, or generator, of everything random (and of the sampling, where the file is a mesh).
+        init: a plane to begin with beside all others, in the units of the points (`robust`).
+        max_planes: most candidates that are returned.
+        drop_outliers: leave out scattered outliers first; by default `robust` does, and `sym-hks`, as printed, does not.
+        remove_floor: leave out the dominant plane that a scan stands on, if there is one.
         nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
         max_points: larger clouds are thinned to this many.
+        sigma: scale σ of the residual as a fraction of the cloud's diagonal (`sym-hks`); None takes it from the
+            keypoints' spacing.
+        restarts: number of starts (`sym-hks`), by default 64: the robust Grassmann average of the paper first, then the
+            principal direction, the least-squares plane, the planes of the best single pairs, and even directions.
+        solver: `"joint"`, or `"alternating"` as the paper has it (`sym-hks`): the same optimum, slower.
+        options: of the correspondences (`sym-hks`).
         progress: called with the name of every stage as it begins.
 
     Raises:
@@ -72,15 +73,19 @@ def detect(
     """
     if method not in METHODS:
         raise InvalidArgumentError(f"method {method!r} is unknown: choose one of {', '.join(METHODS)}")
-    if solver not in SOLVERS:
-        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(SOLVERS)}")
-    if sigma is not None and not (np.isfinite(sigma) and sigma > 0):
-        raise InvalidArgumentError(f"sigma must be positive and finite, not {sigma}")
-    if restarts < 1:
-        raise InvalidArgumentError(f"restarts must be at least 1, not {restarts}")
+    if max_planes < 1:
+        raise InvalidArgumentError(f"max_planes must be at least 1, not {max_planes}")
+    _refuse_others(
+        method,
+        {"init": ("robust", init), "sigma": ("sym-hks", sigma), "restarts": ("sym-hks", restarts)}
+        | {"solver": ("sym-hks", solver), "options": ("sym-hks", options)},
+    )
     options = SymHKS() if options is None else options
-    options.check()
+    restarts = symhks.RESTARTS if restarts is None else restarts
+    solver = "joint" if solver is None else solver
+    symhks.check(options, sigma, restarts, solver)
     seed = int(rng) if isinstance(rng, (int, np.integer)) else None
+    generator = np.random.default_rng(rng)
     stages = Stages(progress)
     reading: tuple[str, ...] = ()
     if isinstance(points, (str, os.PathLike)):
@@ -88,33 +93,78 @@ def detect(
             file = read_points(points, rng=0 if seed is None else seed)
         points, reading = file.points, (file.note,) if file.note else ()
     with stages("preparing"):
-        cloud = prepare(points, nonfinite=nonfinite, max_points=max_points)
+        cloud = prepare(
+            points,
+            nonfinite=nonfinite,
+            max_points=max_points,
+            drop_scattered=method == "robust" if drop_outliers is None else drop_outliers,
+            drop_floor=remove_floor,
+        )
         given = as_points(points)
         normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.rows] @ cloud.frame
-    matches = sym_hks(cloud.points, normals=normals, options=options, stages=stages)
-    sigma = SIGMA_SPACINGS * matches.spacing if sigma is None else float(sigma)
-    with stages("fitting"):
-        x, y = (cloud.points[matches.rows[:, end]] for end in (0, 1))
-        answer = search(x, y, sigma, restarts=restarts, solver=solver, rng=np.random.default_rng(rng))
-    candidates = tuple(c._replace(plane=_in_given_units(c.plane, cloud)) for c in answer.candidates)
-    best, index = candidates[0], cloud.rows[matches.rows]
+        prior = None if init is None else _in_cloud_units(_checked_plane(init), cloud)
+    if method == "robust":
+        finding = robust.find(
+            cloud.points, normals=normals, prior=prior, max_planes=max_planes, rng=generator, stages=stages
+        )
+    else:
+        finding = symhks.find(
+            cloud.points,
+            normals=normals,
+            options=options,
+            sigma=sigma,
+            restarts=restarts,
+            solver=solver,
+            rng=generator,
+            stages=stages,
+        )
+    return _detection(
+        finding, cloud, given, method=method, max_planes=max_planes, seed=seed, reading=reading, stages=stages
+    )
+
+
+def _refuse_others(method: str, given: dict[str, tuple[str, object]]) -> None:
+    for name, (of, value) in given.items():
+        if value is not None and of != method:
+            raise InvalidArgumentError(f"{name} is an option of method {of!r}, not of {method!r}")
+
+
+def _detection(
+    finding: Finding,
+    cloud: Cloud,
+    given: Float[np.ndarray, "n 3"],
+    *,
+    method: str,
+    max_planes: int,
+    seed: int | None,
+    reading: tuple[str, ...],
+    stages: Stages,
+) -> Detection:
+    """What was found, in the units of the given points."""
+    candidates = tuple(Candidate(_in_given_units(c.plane, cloud), c.score) for c in finding.candidates[:max_planes])
+    best, index = candidates[0], cloud.rows[finding.rows]
+    axis = finding.axis
     return Detection(
         plane=best.plane,
-        found=answer.converged and best.score > answer.threshold,
+        found=finding.symmetry != "none",
+        ambiguous=finding.ambiguous,
+        symmetry=finding.symmetry,
+        axis=None if axis is None else (_place(axis[0], cloud), cloud.frame @ axis[1]),
         score=best.score,
-        threshold=answer.threshold,
+        threshold=finding.threshold,
         candidates=candidates,
-        pairs=Pairs(given[index[:, 0]], given[index[:, 1]], index, answer.weight),
-        inlier_fraction=float(np.mean(answer.weight >= INLIER_WEIGHT)),
-        converged=answer.converged,
-        message=answer.message,
+        uncertainty=_uncertainty_in_given_units(finding.uncertainty, cloud),
+        pairs=Pairs(given[index[:, 0]], given[index[:, 1]], index, finding.weight),
+        inlier_fraction=finding.inlier_fraction,
+        converged=finding.converged,
+        message=finding.message,
         method=method,
-        sigma=sigma,
+        sigma=finding.sigma,
         diagonal=cloud.diagonal,
         seed=seed,
         num_points=cloud.num_given,
         num_used=len(cloud.points),
-        notes=(*reading, *cloud.notes, *matches.notes),
+        notes=(*reading, *cloud.notes, *finding.notes),
         timings=stages.seconds,
         points=given[np.isfinite(given).all(axis=1)],
     )
@@ -133,6 +183,35 @@ def _checked_normals(normals: ArrayLike, shape: tuple[int, ...]) -> Float[np.nda
     return array.astype(float)
 
 
+def _checked_plane(plane: Plane) -> Plane:
+    normal, offset = np.asarray(plane[0], dtype=float), np.asarray(plane[1], dtype=float)
+    if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
+        raise InvalidArgumentError(f"init must be a plane (normal of shape (3,), offset), not {plane!r}")
+    length = np.linalg.norm(normal)
+    return Plane(normal / length, offset / length)
+
+
+def _place(point: Float[np.ndarray, "3"], cloud: Cloud) -> Float[np.ndarray, "3"]:
+    """A point of the cloud in the given units."""
+    return cloud.centre + cloud.diagonal * (cloud.frame @ point)
+
+
 def _in_given_units(plane: Plane, cloud: Cloud) -> Plane:
     normal = cloud.frame @ plane.normal
     return Plane(normal, normal @ cloud.centre + cloud.diagonal * plane.offset).canonical()
+
+
+def _in_cloud_units(plane: Plane, cloud: Cloud) -> Plane:
+    return Plane(plane.normal @ cloud.frame, (plane.offset - plane.normal @ cloud.centre) / cloud.diagonal)
+
+
+def _uncertainty_in_given_units(uncertainty: Uncertainty | None, cloud: Cloud) -> Uncertainty | None:
+    if uncertainty is None:
+        return None
+    scale = np.array([1.0, 1.0, cloud.diagonal])
+    # the canonical sign may have turned the normal round: turn and offset change sign together, their covariance stands
+    return Uncertainty(
+        uncertainty.covariance * np.outer(scale, scale),
+        uncertainty.tangents @ cloud.frame.T,
+        _place(uncertainty.centre, cloud),
+    )

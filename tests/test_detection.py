@@ -9,7 +9,7 @@ import symjax
 from symjax.detection import Detection, Pairs
 from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.plane import Plane
-from symjax.search import Candidate
+from symjax.symhks.search import Candidate
 
 
 @pytest.fixture

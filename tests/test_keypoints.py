@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from symjax.keypoints import farthest_points, keypoints, shape_signatures
+from symjax.symhks.keypoints import farthest_points, keypoints, shape_signatures
 
 
 def box(rng, num_points=4_000):

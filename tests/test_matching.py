@@ -6,7 +6,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.spatial.distance import cdist
 
 from symjax.errors import InvalidArgumentError, MatchingError
-from symjax.matching import (
+from symjax.symhks.matching import (
     MAX_SYMMETRIC_POINTS,
     SIGN_PENALTY,
     assign_pairs,

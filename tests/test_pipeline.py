@@ -5,7 +5,6 @@ import pytest
 from scipy.spatial import cKDTree
 
 import symjax
-from symjax.correspondences import SymHKS
 from symjax.errors import (
     ComponentsWarning,
     DegenerateCloudError,
@@ -15,8 +14,9 @@ from symjax.errors import (
     SymjaxError,
     TooFewPointsError,
 )
+from symjax.frames import local_frames
 from symjax.plane import Plane
-from symjax.spectrum import local_frames
+from symjax.symhks.correspondences import SymHKS
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 

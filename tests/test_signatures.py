@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from symjax.errors import InvalidArgumentError
-from symjax.signatures import diffusion_times, heat_kernel_signatures, sign_vectors, whiten
-from symjax.spectrum import Spectrum, spectrum
+from symjax.symhks.signatures import diffusion_times, heat_kernel_signatures, sign_vectors, whiten
+from symjax.symhks.spectrum import Spectrum, spectrum
 
 
 def ellipsoid(rng, num_points=1_500):

@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial import Delaunay, cKDTree
 
 from symjax.errors import InvalidArgumentError, SpectrumError
-from symjax.spectrum import delaunay_stars, laplacian, spectrum, tangent_frames
+from symjax.frames import tangent_frames
+from symjax.symhks.spectrum import delaunay_stars, laplacian, spectrum
 
 
 def sphere(rng, num_points):

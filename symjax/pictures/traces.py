@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
 
+from symjax.frames import local_frames
 from symjax.pictures import scene as scenes
-from symjax.spectrum import local_frames
 
 LAMP_NEIGHBOURS = 16
 """Neighbours that give a point the normal by which it is lit."""

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.spatial.distance import cdist
 
 from symjax.errors import InvalidArgumentError, MatchingError
-from symjax.symmetric_matching import least_matching
+from symjax.symhks.symmetric_matching import least_matching
 
 SIGN_PENALTY = 1000.0
 """Cost b of pairing two points in the same nodal domains (the paper's number)."""

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from symjax import initial, sphere
+from symjax.finding import Candidate
 from symjax.fit import Fit, sweep
 from symjax.objective import l2e_weights
 from symjax.plane import Plane
@@ -23,25 +24,11 @@ RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.0
 """The score to exceed is 3 times the 0.95 quantile of the scores of random planes."""
 
 
-class Candidate(NamedTuple):
-    """One distinct optimum of the restarts.
-
-    Attributes:
-        plane: the plane, in the units of the points.
-        loss: L2E loss there, in inverse cubed units of the cloud's diagonal; lower is better.
-        score: mean L2E weight of the pairs there, between 0 and 1.
-    """
-
-    plane: Plane
-    loss: float
-    score: float
-
-
 class Search(NamedTuple):
     """What a search found.
 
     Attributes:
-        candidates: the distinct optima, the converged first, then by loss.
+        candidates: the distinct optima, the converged first, then by loss; a score is the mean L2E weight of the pairs.
         weight: L2E weights of the pairs at the first of them.
         threshold: the score that the first should exceed.
         converged: whether the solver converged to the first.
@@ -136,9 +123,7 @@ def _distinct(fits: Fit, pairs: _Padded, sigma: float) -> tuple[tuple[Candidate,
     planes = Plane(np.asarray(row.plane.normal), np.asarray(row.plane.offset))
     kept = _suppressed(planes, np.lexsort((loss, ~np.asarray(row.converged))), len(loss))
     scores = _scores(planes, sigma, pairs)
-    candidates = tuple(
-        Candidate(Plane(planes.normal[i], planes.offset[i]), float(loss[i]), float(scores[i])) for i in kept
-    )
+    candidates = tuple(Candidate(Plane(planes.normal[i], planes.offset[i]), float(scores[i])) for i in kept)
     return candidates, jax.tree.map(lambda leaf: leaf[kept[0]], row)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symjax.errors import InvalidArgumentError
-from symjax.spectrum import ZERO_EIGENVALUE, Spectrum
+from symjax.symhks.spectrum import ZERO_EIGENVALUE, Spectrum
 
 NUM_TIMES = 32
 """Diffusion times p (not printed in the paper): enough to tell 20 eigenfunctions' squares apart."""

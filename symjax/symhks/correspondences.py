@@ -8,9 +8,10 @@ from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
-from symjax.keypoints import NUM_KEYPOINTS, RADIUS, Keypoints, keypoints
-from symjax.matching import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
-from symjax.signatures import (
+from symjax.stages import Stages
+from symjax.symhks.keypoints import NUM_KEYPOINTS, RADIUS, Keypoints, keypoints
+from symjax.symhks.matching import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
+from symjax.symhks.signatures import (
     NUM_TIMES,
     TimeScale,
     diffusion_times,
@@ -18,8 +19,7 @@ from symjax.signatures import (
     sign_vectors,
     whiten,
 )
-from symjax.spectrum import NUM_EIGS, Spectrum, spectrum
-from symjax.stages import Stages
+from symjax.symhks.spectrum import NUM_EIGS, Spectrum, spectrum
 
 PAIRS_PER_KEYPOINT = 0.25
 """q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair. From 15 to 40 % the share

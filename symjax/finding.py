@@ -1,0 +1,58 @@
+"""What a method finds, in the frame and the units of the cloud: the answer before it is put in those of the points."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symjax.plane import Plane
+from symjax.uncertainty import Uncertainty
+
+Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
+Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
+
+
+class Candidate(NamedTuple):
+    """One distinct plane.
+
+    Attributes:
+        plane: the plane.
+        score: how well the cloud agrees with it, 0 to 1; what that is, the method says.
+    """
+
+    plane: Plane
+    score: float
+
+
+class Finding(NamedTuple):
+    """What a method finds in a cloud.
+
+    Attributes:
+        candidates: distinct planes, the best first.
+        threshold: the score that a mirror plane exceeds.
+        symmetry: what the planes that exceed it make up.
+        ambiguous: whether others are as good as the first.
+        axis: point and direction of the axis of a continuous symmetry.
+        rows: rows of the two points of every pair in the cloud.
+        weight: how well each pair agrees with the first plane, 0 to 1.
+        inlier_fraction: share of the pairs that agree with it.
+        sigma: scale of the residual, in diagonals.
+        converged: whether the solver converged.
+        message: how it ended, a sentence.
+        uncertainty: of the first plane, if the method tells it.
+        notes: what was found, as sentences.
+    """
+
+    candidates: tuple[Candidate, ...]
+    threshold: float
+    symmetry: Symmetry
+    ambiguous: bool
+    axis: Axis | None
+    rows: Int[np.ndarray, "m 2"]
+    weight: Float[np.ndarray, "m"]
+    inlier_fraction: float
+    sigma: float
+    converged: bool
+    message: str
+    uncertainty: Uncertainty | None
+    notes: tuple[str, ...]

@@ -1,0 +1,27 @@
+"""Frames of a surface: normal and tangents at its points."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+def local_frames(
+    points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "n h"]
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3 3"]]:
+    """Scatter of each point's neighbours about their own mean: eigenvalues ascending, eigenvectors in columns.
+
+    Column 0 is the normal, unoriented; columns 1 and 2 span the tangent plane.
+    """
+    around = points[neighbours]
+    around = around - around.mean(axis=1, keepdims=True)
+    scatter = np.einsum("nhi,nhj->nij", around, around) / neighbours.shape[1]
+    return np.linalg.eigh(scatter)
+
+
+def tangent_frames(normals: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3 2"]:
+    """Two orthonormal tangents, in columns, for every normal of any length."""
+    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    # the axis that the normal is farthest from
+    axis = np.eye(3)[np.argmin(np.abs(unit), axis=1)]
+    first = np.cross(unit, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(unit, first)], axis=2)

@@ -1,0 +1,179 @@
+"""The last digits of a plane: L2E with point-to-surface residuals and exact neighbours, and its standard errors.
+
+The mirror image of a random sample has no twin in it: distances between points floor the accuracy at the sample's spacing.
+The residual here is the height of a mirror image above the quadric patch of its partner; all else is the paper's
+estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from symjax.bfgs import Minimum, minimize
+from symjax.plane import Plane
+from symjax.robust.patches import Patches
+from symjax.robust.surface import Surface
+from symjax.sphere import SPHERE_LINE
+
+BUCKET = 2048
+"""Residuals are padded to a multiple of this, so that few sizes are compiled."""
+
+ROUNDS = 5
+"""Times that the partners are looked for anew: after four the plane moves by less than its standard error."""
+
+LEAST_SIGMA = 1e-5
+"""Least scale of the residual in diagonals: patches of a clean surface fit far better than its points are spaced."""
+
+SIGMA_FACTOR = 2.0
+"""σ over the residuals' own scale: L2E then loses little of the efficiency of least squares."""
+
+SHARED = 3.0
+"""Side of the cells that share their errors, in reaches of a patch: neighbouring residuals and those of the two
+directions of a pair have points in common, so that they are no independent evidence."""
+
+
+class Residuals(NamedTuple):
+    """Mirror images and the patches that they should lie on.
+
+    Attributes:
+        x: the points that are mirrored.
+        origin: origin of each one's patch.
+        axes: its axes.
+        coefficients: its coefficients.
+        weight: how much each counts; 0 in padding.
+    """
+
+    x: Float[Array, "m 3"]
+    origin: Float[Array, "m 3"]
+    axes: Float[Array, "m 3 3"]
+    coefficients: Float[Array, "m 6"]
+    weight: Float[Array, "m"]
+
+
+class Polished(NamedTuple):
+    """A plane after the last digits.
+
+    Attributes:
+        plane: the plane.
+        covariance: of the normal's turn along the two tangents, and of the offset.
+        tangents: in rows.
+        sigma: scale of the residual.
+        solution: how the last solve ended.
+    """
+
+    plane: Plane
+    covariance: Float[np.ndarray, "3 3"]
+    tangents: Float[np.ndarray, "2 3"]
+    sigma: float
+    solution: Minimum
+
+
+def heights(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m"]:
+    """Heights of the mirror images above the patches at the plane z = (v, ω)."""
+    v, omega = z[:3], z[3]
+    x = data.x
+    along = 2 * (x[:, 0] * v[0] + x[:, 1] * v[1] + x[:, 2] * v[2] - omega)
+    offset = [x[:, k] - along * v[k] - data.origin[:, k] for k in range(3)]
+    u, w, height = (sum(offset[k] * data.axes[:, i, k] for k in range(3)) for i in range(3))
+    c = [data.coefficients[:, k] for k in range(6)]
+    return height - (c[0] + c[1] * u + c[2] * w + c[3] * u * u + c[4] * u * w + c[5] * w * w)
+
+
+def _psi(z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals) -> Float[Array, ""]:
+    kernel = jnp.sum(data.weight * jnp.exp(-0.5 * (heights(z, data) / sigma) ** 2))
+    return -(sigma**2) * jnp.log(kernel / jnp.sum(data.weight) + 1e-300)
+
+
+@jax.jit
+def _solve(z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals) -> tuple[Minimum, Float[Array, "m"]]:
+    tol = 1e-4 * sigma
+    minimum = minimize(lambda z: _psi(z, sigma, data), z, manifold=SPHERE_LINE, max_steps=50, tol=tol)
+    return minimum, heights(minimum.point, data)
+
+
+@jax.jit
+def _sandwich_parts(
+    z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals
+) -> tuple[Float[Array, "3 3"], Float[Array, "m 3"]]:
+    """Hessian of the summed criterion in the tangent chart, and every residual's share of its gradient."""
+    basis = SPHERE_LINE.basis(z)
+
+    def terms(t: Float[Array, "3"]) -> Float[Array, "m"]:
+        r = heights(SPHERE_LINE.retract(z, basis @ t), data)
+        return -data.weight * jnp.exp(-0.5 * (r / sigma) ** 2)
+
+    origin = jnp.zeros(3, z.dtype)
+    return jax.hessian(lambda t: jnp.sum(terms(t)))(origin), jax.jacfwd(terms)(origin)
+
+
+def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
+    """Moves a plane to the optimum of the point-to-surface L2E criterion, its partners looked for anew in every round.
+
+    Args:
+        plane: a plane within the reach of the surface's tolerance.
+        surface: the cloud.
+        around: its patches.
+    """
+    z = np.append(plane.normal, plane.offset)
+    sigma = 2 * surface.tolerance
+    with jax.enable_x64(True):
+        for _ in range(ROUNDS):
+            data, partner = _paired(z, surface, around)
+            padded = _padded(data)
+            solution, residual = _solve(z, sigma, padded)
+            z, residual = np.asarray(solution.point), np.asarray(residual)[: len(partner)]
+            last, sigma = sigma, min(sigma, _scale(residual, np.asarray(data.weight), sigma))
+        hessian, slopes = (np.asarray(part) for part in _sandwich_parts(z, last, padded))
+        basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
+    at = Plane(z[:3], z[3])
+    cell = SHARED * float(np.median(around.reach))
+    covariance = _clustered(hessian, slopes[: len(partner)], _clusters(at, surface.points, cell))
+    return Polished(at, covariance, basis[:3, :2].T, last, solution)
+
+
+def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tuple[Residuals, Int[np.ndarray, "n"]]:
+    """Every point with its partner; those whose partner is far, or faces elsewhere, count nothing."""
+    v, omega = z[:3], z[3]
+    height = surface.points @ v - omega
+    image = surface.points - 2 * height[:, None] * v
+    distance, partner = surface.tree.query(image, workers=-1)
+    facing = surface.normals - 2 * (surface.normals @ v)[:, None] * v
+    cosine = np.abs((facing * surface.normals[partner]).sum(axis=1))
+    weight = cosine**2
+    weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)
+    weight *= (distance < around.reach[partner]) & ~surface.rim[partner]
+    data = Residuals(surface.points, around.origin[partner], around.axes[partner], around.coefficients[partner], weight)
+    return data, partner
+
+
+def _padded(data: Residuals) -> Residuals:
+    extra = -len(data.weight) % BUCKET
+    return Residuals(*(np.pad(leaf, ((0, extra), *[(0, 0)] * (leaf.ndim - 1))) for leaf in data))
+
+
+def _scale(residual: Float[np.ndarray, "n"], weight: Float[np.ndarray, "n"], sigma: float) -> float:
+    """σ for the next round: a multiple of the residuals' median size, the outliers' left out."""
+    inlier = (weight > 0) & (np.abs(residual) < 3 * sigma)
+    if not inlier.any():
+        return sigma
+    return max(SIGMA_FACTOR * 1.4826 * float(np.median(np.abs(residual[inlier]))), LEAST_SIGMA)
+
+
+def _clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, "n"]:
+    """Cells of the half space that the plane folds the cloud into: a point and its mirror image share one."""
+    height = np.asarray(plane.signed_distance(points))
+    folded = points - (np.minimum(height, 0) * 2)[:, None] * plane.normal
+    return np.unique(np.floor(folded / cell).astype(int), axis=0, return_inverse=True)[1].ravel()
+
+
+def _clustered(
+    hessian: Float[np.ndarray, "3 3"], slopes: Float[np.ndarray, "n 3"], cluster: Int[np.ndarray, "n"]
+) -> Float[np.ndarray, "3 3"]:
+    """The sandwich (Godambe) covariance H⁻¹ Σ g gᵀ H⁻¹, the gradients summed over clusters."""
+    sums = np.stack([np.bincount(cluster, slopes[:, k]) for k in range(3)], axis=1)
+    used = np.count_nonzero((sums != 0).any(axis=1))
+    inverse = np.linalg.pinv(hessian)
+    return inverse @ (sums.T @ sums) @ inverse * used / max(used - 3, 1)

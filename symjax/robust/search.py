@@ -1,0 +1,130 @@
+"""From a surface to its candidate planes: hypotheses screened, registered, and weighed."""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from symjax import sphere
+from symjax.finding import Candidate
+from symjax.plane import Plane
+from symjax.robust.evidence import evidence
+from symjax.robust.hypotheses import NUM_DIRECTIONS, hypotheses
+from symjax.robust.lattice import Lattice
+from symjax.robust.registration import Planes, Probes, agreement, register
+from symjax.robust.surface import Surface
+
+BUCKET = 1024
+"""Hypotheses are padded to a multiple of this, so that few sizes are compiled."""
+
+
+class Round(NamedTuple):
+    """One round of the search: the best planes of the last are registered with these σ, and again the best are kept.
+
+    Attributes:
+        num_probes: points that are mirrored.
+        kept: planes that are registered.
+        sigmas: σ of every step, in diagonals.
+        isotropic: see `register`.
+        weighed: σ at which the planes are weighed afterwards.
+    """
+
+    num_probes: int
+    kept: int
+    sigmas: tuple[float, ...]
+    isotropic: float
+    weighed: float
+
+
+SCREEN_SIGMA = 0.04
+ROUNDS = (
+    Round(256, 512, (0.05,) * 2 + (0.04,) * 2 + (0.03,) * 4, 0.3, 0.025),
+    Round(1024, 64, (0.03,) * 6 + (0.02,) * 6 + (0.015,) * 12, 0.05, 0.015),
+)
+"""Many planes on few points, then few planes on many: the true plane was among those kept on all of 400 clouds that are
+no scans from one side, and on 0.95 of those."""
+
+SAME_ANGLE, SAME_OFFSET = 4.0, 0.02
+"""Planes nearer than this (degrees, diagonals) are one candidate."""
+
+NUM_WEIGHED = 24
+"""Candidates that are weighed with exact neighbours."""
+
+NUM_WEIGHED_POINTS = 1000
+
+
+def candidates(
+    surface: Surface, lattice: Lattice, rng: np.random.Generator, *, prior: Plane | None = None
+) -> tuple[Candidate, ...]:
+    """Distinct candidate planes, the best first.
+
+    Args:
+        surface: in units of its diagonal.
+        lattice: around it.
+        rng: draws the points that are looked at.
+        prior: a plane to begin with, beside all others.
+    """
+    planes = hypotheses(surface, np.asarray(sphere.fibonacci(NUM_DIRECTIONS), dtype=float), rng)
+    if prior is not None:
+        planes = Plane(np.vstack([prior.normal, planes.normal]), np.append(prior.offset, planes.offset))
+    order = rng.permutation(len(surface.points))
+    cells = jax.device_put(lattice)
+    score = _agreement(planes, SCREEN_SIGMA, _probes(surface, order, ROUNDS[0].num_probes), cells)
+    for stage in ROUNDS:
+        probes = _probes(surface, order, stage.num_probes)
+        best = np.argsort(-score, kind="stable")
+        best = best[: stage.kept] if stage is ROUNDS[0] else distinct(planes, best, stage.kept)
+        moved = register(
+            _as_batch(planes, np.resize(best, stage.kept)),
+            np.array(stage.sigmas, np.float32),
+            probes,
+            cells,
+            isotropic=stage.isotropic,
+        )
+        planes = Plane(np.asarray(moved.v, dtype=float), np.asarray(moved.omega, dtype=float))
+        planes = Plane(planes.normal / np.linalg.norm(planes.normal, axis=1, keepdims=True), planes.offset)
+        score = _agreement(planes, stage.weighed, probes, cells)
+    kept = distinct(planes, np.argsort(-score, kind="stable"), NUM_WEIGHED)
+    found = [Plane(planes.normal[i], planes.offset[i]) for i in kept]
+    rows = order[:NUM_WEIGHED_POINTS]
+    weighed = (Candidate(plane, evidence(plane, surface, lattice, rows).score) for plane in found)
+    return tuple(sorted(weighed, key=lambda candidate: -candidate.score))
+
+
+def _probes(surface: Surface, order: Int[np.ndarray, "n"], count: int) -> Probes:
+    """The first points of an order; of a small cloud some twice, so that the shape is the same."""
+    rows = np.resize(order, count)
+    weight = surface.trust[rows] / surface.trust[rows].mean()
+    return Probes(*(array.astype(np.float32) for array in (surface.points[rows], surface.normals[rows], weight)))
+
+
+def _as_batch(planes: Plane, rows: Int[np.ndarray, "r"]) -> Planes:
+    return Planes(planes.normal[rows].astype(np.float32), planes.offset[rows].astype(np.float32))
+
+
+def _agreement(planes: Plane, sigma: float, probes: Probes, lattice: Lattice) -> Float[np.ndarray, "p"]:
+    count = len(planes.offset)
+    rows = np.resize(np.arange(count), count + (-count % BUCKET if count > BUCKET else 0))
+    return np.asarray(agreement(_as_batch(planes, rows), np.float32(sigma), probes, lattice))[:count]
+
+
+def distinct(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
+    """Rows in the given order, at most so many, without those near one already taken."""
+    least = np.cos(np.radians(SAME_ANGLE))
+    normals, offsets = np.empty((most, 3)), np.empty(most)
+    kept: list[int] = []
+    for i in order:
+        if len(kept) == most:
+            break
+        cosine = normals[: len(kept)] @ planes.normal[i]
+        apart = np.abs(offsets[: len(kept)] - np.where(cosine < 0, -1, 1) * planes.offset[i])
+        if not ((np.abs(cosine) > least) & (apart < SAME_OFFSET)).any():
+            normals[len(kept)], offsets[len(kept)] = planes.normal[i], planes.offset[i]
+            kept.append(int(i))
+    return np.asarray(kept, dtype=int)
+
+
+def same(a: Plane, b: Plane) -> bool:
+    """Whether two planes are one candidate."""
+    return len(distinct(Plane(np.stack([a.normal, b.normal]), np.array([a.offset, b.offset])), np.arange(2), 2)) == 1

@@ -1,0 +1,104 @@
+"""What the planes of a cloud make up: none, one plane, several, or all planes through an axis or a centre."""
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from symjax.finding import Axis, Candidate, Symmetry
+from symjax.plane import Plane
+from symjax.robust.evidence import evidence
+from symjax.robust.lattice import Lattice
+from symjax.robust.surface import Surface
+
+LEAST, PER_BACKGROUND, MOST = 0.4, 0.5, 0.7
+"""Threshold of the score: LEAST and PER_BACKGROUND times the background, at most MOST. `experiments.calibration` prints
+the rates of right and wrong answers from which they were chosen, on generated objects."""
+
+BACKGROUND = slice(4, 12)
+"""Ranks of the candidates whose median score is the background: what planes score on this cloud that are local optima and
+no symmetries. Compact round clouds agree with any plane through their middle to some extent."""
+
+AS_GOOD = 0.97
+"""Share of the best score from which on another plane is as good."""
+
+AXIS_TRIALS = 8
+"""Best candidates whose intersections are tried as axes."""
+
+AXIS_PLANES = 7
+"""Planes through an axis that must all be as good: an odd number, so that few regular prisms have them all."""
+
+STILL_AS_GOOD = 0.94
+"""The same for planes that were not polished."""
+
+NUM_POINTS = 1000
+
+
+class Verdict(NamedTuple):
+    """What the planes make up; see `Finding`."""
+
+    threshold: float
+    symmetry: Symmetry
+    ambiguous: bool
+    axis: Axis | None
+
+
+def judge(ranked: tuple[Candidate, ...], surface: Surface, lattice: Lattice) -> Verdict:
+    """Whether there is a mirror plane, whether it is the only one, and of what kind several are.
+
+    Args:
+        ranked: distinct candidates, the best first.
+        surface: in units of its diagonal.
+        lattice: around it.
+    """
+    best = ranked[0].score
+    background = float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
+    threshold = min(LEAST + PER_BACKGROUND * background, MOST)
+    if best <= threshold:
+        return Verdict(threshold, "none", False, None)
+    as_good = [c for c in ranked if c.score > max(threshold, AS_GOOD * best)]
+    if len(as_good) == 1:
+        return Verdict(threshold, "one plane", False, None)
+    least = max(threshold, STILL_AS_GOOD * best)
+    axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
+    if axis is None:
+        return Verdict(threshold, "several planes", True, None)
+    if _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least):
+        return Verdict(threshold, "sphere", True, axis)
+    return Verdict(threshold, "axis", True, axis)
+
+
+def _axis(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> Axis | None:
+    """The line in which two of the planes meet, all planes through which are as good; None if there is none."""
+    for a, b in combinations(planes, 2):
+        direction = np.cross(a.normal, b.normal)
+        length = float(np.linalg.norm(direction))
+        if length < np.sin(np.radians(20)):
+            continue  # nearly parallel planes do not fix a line
+        direction /= length
+        point = np.linalg.solve(np.stack([a.normal, b.normal, direction]), np.array([a.offset, b.offset, 0.0]))
+        if _all_as_good(_about(point, direction), surface, lattice, least):
+            return point, direction
+    return None
+
+
+def _about(point: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3"]) -> list[Plane]:
+    """Planes through a line, at even angles."""
+    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    first /= np.linalg.norm(first)
+    second = np.cross(direction, first)
+    turns = np.pi * (np.arange(AXIS_PLANES) + 0.5) / AXIS_PLANES
+    normals = [np.cos(turn) * first + np.sin(turn) * second for turn in turns]
+    return [Plane(normal, normal @ point) for normal in normals]
+
+
+def _tilted(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """A direction well off another: planes about it are planes about the other only by chance."""
+    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    return (direction + across / np.linalg.norm(across)) / np.sqrt(2)
+
+
+def _all_as_good(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> bool:
+    rows = slice(None, None, max(1, len(surface.points) // NUM_POINTS))
+    return all(evidence(plane, surface, lattice, rows).score > least for plane in planes)
