@@ -35,6 +35,7 @@ class Finding(NamedTuple):
         axis: point and direction of the axis of a continuous symmetry.
         rows: rows of the two points of every pair in the cloud.
         weight: how well each pair agrees with the first plane, 0 to 1.
+        exactness: how exact the symmetry is, 0 to 1, if the method tells it.
         inlier_fraction: share of the pairs that agree with it.
         sigma: scale of the residual, in diagonals.
         converged: whether the solver converged.
@@ -50,6 +51,7 @@ class Finding(NamedTuple):
     axis: Axis | None
     rows: Int[np.ndarray, "m 2"]
     weight: Float[np.ndarray, "m"]
+    exactness: float | None
     inlier_fraction: float
     sigma: float
     converged: bool

@@ -155,6 +155,7 @@ def _detection(
         candidates=candidates,
         uncertainty=_uncertainty_in_given_units(finding.uncertainty, cloud),
         pairs=Pairs(given[index[:, 0]], given[index[:, 1]], index, finding.weight),
+        exactness=finding.exactness,
         inlier_fraction=finding.inlier_fraction,
         converged=finding.converged,
         message=finding.message,

@@ -6,9 +6,9 @@ from jaxtyping import Float
 from symjax import sphere
 from symjax.finding import Candidate, Finding
 from symjax.plane import Plane
-from symjax.robust.evidence import Evidence, evidence
+from symjax.robust.evidence import Evidence, evidence, exactness
 from symjax.robust.lattice import Lattice, lattice
-from symjax.robust.patches import patches
+from symjax.robust.patches import Patches, patches
 from symjax.robust.polish import Polished, polish
 from symjax.robust.search import candidates, same
 from symjax.robust.surface import Surface, surface
@@ -52,9 +52,11 @@ def find(
     with stages("searching"):
         planes = candidates(around, cells, rng, prior=prior)
     with stages("polishing"):
-        ranked, first, of_first = _polished(planes, around, cells, max_planes)
+        local = patches(around)
+        ranked, first, of_first = _polished(planes, around, local, cells, max_planes)
+        exact = exactness(first.plane, around, of_first, local)
     with stages("judging"):
-        verdict = judge(ranked, around, cells)
+        verdict = judge(ranked, exact, around, cells)
     rows = np.flatnonzero(of_first.counts > 0)
     pairs = np.stack([rows, of_first.partner[rows]], axis=1)
     share, counts = of_first.share[rows], of_first.counts[rows]
@@ -66,6 +68,7 @@ def find(
         axis=verdict.axis,
         rows=pairs,
         weight=share,
+        exactness=exact,
         inlier_fraction=float(counts[share >= INLIER_SHARE].sum() / max(counts.sum(), 1e-12)),
         sigma=first.sigma,
         converged=bool(np.asarray(first.solution.result == RESULTS.successful)),
@@ -76,10 +79,9 @@ def find(
 
 
 def _polished(
-    planes: tuple[Candidate, ...], around: Surface, cells: Lattice, max_planes: int
+    planes: tuple[Candidate, ...], around: Surface, local: Patches, cells: Lattice, max_planes: int
 ) -> tuple[tuple[Candidate, ...], Polished, Evidence]:
     """The candidates, those that may be the best polished and weighed on all points; and the best one's details."""
-    local = patches(around)
     done: list[tuple[Candidate, Polished, Evidence]] = []
     for candidate in planes:
         if len(done) == max_planes or (done and candidate.score < RIVAL * done[0][0].score):

@@ -13,6 +13,9 @@ CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS = 12, 16
 with 12 and 0.004° with 16; noise of 1 % of the diagonal 0.16° with 12, 0.11° with 16, 0.15° with 20: larger patches round
 off thin parts."""
 
+NEIGHBOUR = 3
+"""Whose patch a point's own scatter is taken from: not its own, which it has pulled to itself."""
+
 RIDGE = 1e-6
 
 
@@ -24,12 +27,22 @@ class Patches(NamedTuple):
         axes: tangents u and w and normal z, in rows.
         coefficients: c₀ … c₅.
         reach: radius of the neighbourhood that was fitted.
+        scatter: standard deviation of the cloud about the patches of its neighbours, by the median.
     """
 
     origin: Float[np.ndarray, "n 3"]
     axes: Float[np.ndarray, "n 3 3"]
     coefficients: Float[np.ndarray, "n 6"]
     reach: Float[np.ndarray, "n"]
+    scatter: float
+
+
+def heights(points: Float[np.ndarray, "m 3"], around: Patches, rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    """Heights of points above some rows' patches."""
+    local = np.matmul(around.axes[rows], (points - around.origin[rows])[:, :, None])[:, :, 0]
+    u, w, z = local.T
+    terms = np.stack([np.ones_like(u), u, w, u * u, u * w, w * w], axis=1)
+    return z - (around.coefficients[rows] * terms).sum(axis=1)
 
 
 def patches(surface: Surface) -> Patches:
@@ -50,4 +63,6 @@ def _fitted(surface: Surface, near: Int[np.ndarray, "n k"], reach: Float[np.ndar
     matrix += (RIDGE * trace + np.finfo(float).tiny)[:, None, None] * np.eye(6)
     solution = np.linalg.solve(matrix, np.matmul(weighted.transpose(0, 2, 1), z[..., None]))[..., 0]
     powers = np.array([1, 0, 0, -1, -1, -1])
-    return Patches(surface.points, axes, solution * reach[:, None] ** powers, reach)
+    around = Patches(surface.points, axes, solution * reach[:, None] ** powers, reach, 0.0)
+    own = heights(surface.points, around, near[:, NEIGHBOUR])
+    return around._replace(scatter=float(1.4826 * np.median(np.abs(own))))

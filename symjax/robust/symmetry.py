@@ -12,9 +12,13 @@ from symjax.robust.evidence import evidence
 from symjax.robust.lattice import Lattice
 from symjax.robust.surface import Surface
 
+EXACT, EXACT_LEAST = 0.7, 0.4
+"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as its own
+points do, that is no chance."""
+
 LEAST, PER_BACKGROUND, MOST = 0.4, 0.5, 0.7
-"""Threshold of the score: LEAST and PER_BACKGROUND times the background, at most MOST. `experiments.calibration` prints
-the rates of right and wrong answers from which they were chosen, on generated objects."""
+"""Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
+`experiments.calibration` prints the rates of right and wrong answers from which they were chosen, on generated objects."""
 
 BACKGROUND = slice(4, 12)
 """Ranks of the candidates whose median score is the background: what planes score on this cloud that are local optima and
@@ -44,17 +48,18 @@ class Verdict(NamedTuple):
     axis: Axis | None
 
 
-def judge(ranked: tuple[Candidate, ...], surface: Surface, lattice: Lattice) -> Verdict:
+def judge(ranked: tuple[Candidate, ...], exactness: float, surface: Surface, lattice: Lattice) -> Verdict:
     """Whether there is a mirror plane, whether it is the only one, and of what kind several are.
 
     Args:
         ranked: distinct candidates, the best first.
+        exactness: of the first.
         surface: in units of its diagonal.
         lattice: around it.
     """
     best = ranked[0].score
     background = float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
-    threshold = min(LEAST + PER_BACKGROUND * background, MOST)
+    threshold = EXACT_LEAST if exactness > EXACT else min(LEAST + PER_BACKGROUND * background, MOST)
     if best <= threshold:
         return Verdict(threshold, "none", False, None)
     as_good = [c for c in ranked if c.score > max(threshold, AS_GOOD * best)]
