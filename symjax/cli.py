@@ -64,15 +64,20 @@ def _options(command: Callable[..., None]) -> Callable[..., None]:
 
 @commands.command(context_settings={"show_default": True})
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--method", metavar="NAME", default="sym-hks", help="How points are matched.")
+@click.option("--method", type=click.Choice(["robust", "sym-hks"]), default="robust", help="How the plane is found.")
+@click.option("--remove-floor", is_flag=True, help="Leave out the plane that the scan stands on.")
+@click.option("--init", type=float, nargs=4, metavar="NX NY NZ D", help="A plane NX x + NY y + NZ z = D to begin with.")
+@click.option("--max-planes", type=int, metavar="N", help="Most candidates.  [default: 9]")
+@click.option("--keep-outliers", is_flag=True, help="Do not look for scattered outliers (robust).")
+@click.option("--drop-outliers", is_flag=True, help="Leave out scattered outliers (sym-hks).")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, help="Seed of everything random.")
 @click.option(
     "--sigma",
     type=float,
     metavar="FRACTION",
-    help="Scale of the residual, a fraction of the diagonal.  [default: 1.4 keypoint spacings]",
+    help="Scale of the residual, a fraction of the diagonal (sym-hks).  [default: 1.4 keypoint spacings]",
 )
-@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, help="Seed of everything random.")
-@click.option("--restarts", type=int, metavar="N", help="Starts of the estimator.  [default: 64]")
+@click.option("--restarts", type=int, metavar="N", help="Starts of the estimator (sym-hks).  [default: 64]")
 @click.option("--samples", type=int, metavar="N", default=20_000, help="Points to sample from a mesh.")
 @click.option("--nonfinite", type=click.Choice(["raise", "drop"]), default="raise", help="NaN and infinite points.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
@@ -101,6 +106,12 @@ def detect(
         announce("starting JAX")
         from symjax import pipeline
 
+        if options.pop("keep_outliers"):
+            options["drop_outliers"] = False
+        elif not options["drop_outliers"]:
+            options["drop_outliers"] = None
+        if options["init"] is not None:
+            options["init"] = (options["init"][:3], options["init"][3])
         given = {name: value for name, value in options.items() if value is not None}
         detection = pipeline.detect(points, rng=seed, progress=announce, **given)
         _write(detection, outputs, announce)

@@ -48,8 +48,8 @@ class Detection:
         ambiguous: whether other candidates are as good: several mirror planes, or all planes through an axis.
         symmetry: "none", "one plane", "several planes", "axis" or "sphere".
         axis: point and direction of the axis of a continuous symmetry, or None.
-        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, support over support and blame of the mirrored
-            points; by `sym-hks`, mean L2E weight of the pairs.
+        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, support over support and blame of the
+            mirrored points; by `sym-hks`, mean L2E weight of the pairs.
         threshold: what the score must exceed, from what other planes reach on the same cloud.
         candidates: distinct planes, best first; the first is `plane`.
         uncertainty: standard errors of normal and offset with their covariance, or None where the method has none.
@@ -104,12 +104,32 @@ class Detection:
         Raises:
             InvalidArgumentError: neither passed nor kept.
         """
-        if points is None:
-            points = self.points
+        points = self._given(points)
+        return np.concatenate([points, self.mirror(points)])
+
+    def asymmetry(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "n"]:
+        """The asymmetry map: signed distance of every point's mirror image from the surface, in the points' units.
+
+        Positive where the image lies outside, on the side that faces away from the middle of the cloud. The surface is
+        that of the matched points.
+
+        Args:
+            points: the given points, those that are finite; by default those kept.
+
+        Raises:
+            InvalidArgumentError: neither passed nor kept.
+        """
+        from symjax.asymmetry import asymmetry
+
+        points = self._given(points)
+        matched = np.unique(np.concatenate([self.pairs.x, self.pairs.y]), axis=0)
+        return asymmetry(points, self.plane, matched)
+
+    def _given(self, points: Float[ArrayLike, "n 3"] | None) -> Float[np.ndarray, "n 3"]:
+        points = self.points if points is None else points
         if points is None:
             raise InvalidArgumentError("this detection was loaded without its points: pass them")
-        points = np.asarray(points, dtype=float)
-        return np.concatenate([points, self.mirror(points)])
+        return np.asarray(points, dtype=float)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> "Figure":
         """Interactive picture; with a path, also written there as one self-contained HTML page."""
@@ -159,7 +179,9 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
         return Detection(
             plane=_plane(values.pop("plane")),
             axis=_arrays(values.pop("axis")),
-            candidates=tuple(Candidate(_plane(c["plane"]), float(c["score"])) for c in values.pop("candidates")),
+            candidates=tuple(
+                Candidate(_plane(c["plane"]), float(c["score"]), c["exactness"]) for c in values.pop("candidates")
+            ),
             uncertainty=_uncertainty(values.pop("uncertainty")),
             pairs=Pairs(
                 np.array(pairs["x"], dtype=float).reshape(-1, 3),

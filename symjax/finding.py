@@ -18,10 +18,17 @@ class Candidate(NamedTuple):
     Attributes:
         plane: the plane.
         score: how well the cloud agrees with it, 0 to 1; what that is, the method says.
+        exactness: how exactly, 0 to 1, if the method tells it.
     """
 
     plane: Plane
     score: float
+    exactness: float | None = None
+
+    @property
+    def merit(self) -> float:
+        """What candidates are ranked by: agreement, and exact agreement, which noise cannot blur."""
+        return self.score + (self.exactness or 0.0)
 
 
 class Finding(NamedTuple):
@@ -35,7 +42,6 @@ class Finding(NamedTuple):
         axis: point and direction of the axis of a continuous symmetry.
         rows: rows of the two points of every pair in the cloud.
         weight: how well each pair agrees with the first plane, 0 to 1.
-        exactness: how exact the symmetry is, 0 to 1, if the method tells it.
         inlier_fraction: share of the pairs that agree with it.
         sigma: scale of the residual, in diagonals.
         converged: whether the solver converged.
@@ -51,7 +57,6 @@ class Finding(NamedTuple):
     axis: Axis | None
     rows: Int[np.ndarray, "m 2"]
     weight: Float[np.ndarray, "m"]
-    exactness: float | None
     inlier_fraction: float
     sigma: float
     converged: bool

@@ -1,8 +1,8 @@
 """Scattered outliers: points that lie in space, not on a surface, told by how far their neighbours are.
 
-Points strewn evenly over a volume have a density that two measurements agree on: the distances between neighbours, and
-their number over the volume. Points of a surface do not: their neighbours are much nearer than their number would have it, and
-lie in a plane. No scale, share or distance is assumed, and a cloud without outliers loses nothing.
+Points strewn evenly over a volume have a density that two measurements agree on: the distances between neighbours,
+and their number over the volume. Points of a surface do not: their neighbours are much nearer than their number would
+have it, and lie in a plane. No scale, share or distance is assumed, and a cloud without outliers loses nothing.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ SAME_DENSITY = 1.9
 points 0.9 to 1.6; the sparser half of a whole or noisy surface 2.2 to 18, but of a scan from one side 0.4 and more."""
 
 ISOTROPIC = 0.09
-"""Least share of the neighbours' variance, of three directions, from which on they fill space: strewn points 0.10 to 0.16
-on the median, surfaces without noise 0 to 0.13, scans from one side 0 to 0.10. Either bound alone errs, both together
-parted all of 900 clouds."""
+"""Least share of the neighbours' variance, of three directions, from which on they fill space: strewn points 0.10 to
+0.16 on the median, surfaces without noise 0 to 0.13, scans from one side 0 to 0.10. Either bound alone errs, both
+together parted all of 900 clouds."""
 
 ISOLATED = 10.0
 """A point whose neighbours are so many times farther off than usual belongs to nothing."""

@@ -11,7 +11,7 @@ from symjax.cloud import MAX_POINTS, Cloud, as_points, prepare
 from symjax.detection import Detection, Pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError
 from symjax.files.pointfile import read_points
-from symjax.finding import Candidate, Finding
+from symjax.finding import Finding
 from symjax.plane import Plane
 from symjax.robust import method as robust
 from symjax.stages import Stages
@@ -50,13 +50,14 @@ def detect(
     Args:
         points: the cloud, in any units and anywhere; or a file of it.
         method: `"robust"`: planes from many hypotheses, L2E with correspondences that follow the plane, and a
-            verification on the cloud, for clouds with outliers, holes and noise. Or `"sym-hks"`: the paper's Algorithm 1,
-            correspondences by heat kernel signatures made once.
+            verification on the cloud, for clouds with outliers, holes and noise. Or `"sym-hks"`: the paper's
+            Algorithm 1, correspondences by heat kernel signatures made once.
         normals: surface normals of the points, of either orientation; estimated where not given.
         rng: seed, or generator, of everything random (and of the sampling, where the file is a mesh).
         init: a plane to begin with beside all others, in the units of the points (`robust`).
         max_planes: most candidates that are returned.
-        drop_outliers: leave out scattered outliers first; by default `robust` does, and `sym-hks`, as printed, does not.
+        drop_outliers: leave out scattered outliers first; by default `robust` does, and `sym-hks`, as printed, does
+            not.
         remove_floor: leave out the dominant plane that a scan stands on, if there is one.
         nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
         max_points: larger clouds are thinned to this many.
@@ -141,7 +142,7 @@ def _detection(
     stages: Stages,
 ) -> Detection:
     """What was found, in the units of the given points."""
-    candidates = tuple(Candidate(_in_given_units(c.plane, cloud), c.score) for c in finding.candidates[:max_planes])
+    candidates = tuple(c._replace(plane=_in_given_units(c.plane, cloud)) for c in finding.candidates[:max_planes])
     best, index = candidates[0], cloud.rows[finding.rows]
     axis = finding.axis
     return Detection(
@@ -155,7 +156,7 @@ def _detection(
         candidates=candidates,
         uncertainty=_uncertainty_in_given_units(finding.uncertainty, cloud),
         pairs=Pairs(given[index[:, 0]], given[index[:, 1]], index, finding.weight),
-        exactness=finding.exactness,
+        exactness=best.exactness,
         inlier_fraction=finding.inlier_fraction,
         converged=finding.converged,
         message=finding.message,

@@ -4,19 +4,36 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
+
     from symjax.detection import Detection
+    from symjax.metrics import AnyArray
 
 
 def lines(detection: "Detection") -> Iterator[str]:
     """The plane, how far to trust it, and what it cost, one label and value a line."""
-    yield _line("normal", "  ".join(f"{component:+.6f}" for component in detection.plane.normal))
+    yield _line("normal", _components(detection.plane.normal))
     yield _line("offset", f"{float(detection.plane.offset):+.6g}   (normal · x = offset, in the units of the points)")
+    uncertainty = detection.uncertainty
+    if uncertainty is not None:
+        yield _line("errors", f"{uncertainty.normal_degrees:.2g} degrees, {uncertainty.offset:.2g} units   (standard)")
     verdict, relation = ("yes", "above") if detection.found else ("no", "not above")
     if not detection.found and detection.score > detection.threshold:
         relation = "above"
     yield _line(
         "found", f"{verdict}   (score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f})"
     )
+    if detection.found:
+        yield _line("symmetry", _kind(detection))
+    if detection.ambiguous:
+        for rank, (plane, score, _) in enumerate(detection.candidates[1:], 2):
+            if score > detection.threshold:
+                yield _line(
+                    f"plane {rank}",
+                    f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}   score {score:.3f}",
+                )
+    if detection.exactness is not None:
+        yield _line("exactness", f"{detection.exactness:.3f}   (1: exact, 0: approximate)")
     yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")
     yield _line("converged", f"{'yes' if detection.converged else 'no'}   ({detection.message})")
     yield _line("sigma", f"{detection.sigma:g} of the diagonal, {detection.sigma * detection.diagonal:.4g} in units")
@@ -25,6 +42,20 @@ def lines(detection: "Detection") -> Iterator[str]:
         yield _line("note", note)
     stages = "   ".join(f"{stage} {seconds:.2f}" for stage, seconds in detection.timings.items())
     yield _line("seconds", f"{sum(detection.timings.values()):.2f}   ({stages})")
+
+
+def _kind(detection: "Detection") -> str:
+    if detection.axis is not None:
+        point, direction = detection.axis
+        place = f"through {_components(point)}"
+        if detection.symmetry == "sphere":
+            return f"ambiguous: all planes {place}"
+        return f"ambiguous: all planes through the axis {place} along {_components(direction)}"
+    return f"ambiguous: {detection.symmetry}" if detection.ambiguous else detection.symmetry
+
+
+def _components(vector: "Float[AnyArray, '3']") -> str:
+    return "  ".join(f"{component:+.6f}" for component in vector)
 
 
 def _line(label: str, value: str) -> str:

@@ -27,6 +27,13 @@ ACCEPTED_WEIGHT = np.exp(-7.815 / 2)
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
 """Turn of the view about the up direction, and its lift: both halves and the plane's face are seen."""
 
+OTHERS = {
+    "several planes": "others are as good",
+    "axis": "all planes through an axis are as good",
+    "sphere": "all planes through a centre are as good",
+}
+"""What is said of an ambiguous detection, by its symmetry."""
+
 MARGIN = 1.08
 """The quad reaches this much further than the cloud does."""
 
@@ -120,7 +127,8 @@ def headline(detection: "Detection") -> tuple[str, str]:
     return (
         f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}",
         f"score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f}; "
-        f"{detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree",
+        f"{detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
+        + (f"; one of several: {OTHERS[detection.symmetry]}" if detection.ambiguous else ""),
     )
 
 

@@ -1,7 +1,7 @@
 """What speaks for a plane and against it: exact neighbours of the mirrored cloud.
 
-A point whose mirror image lies on the surface, with the surface's normal, speaks for the plane. One whose image lies where
-a surface would have been seen speaks against it; one whose image falls where nothing was scanned says little.
+A point whose mirror image lies on the surface, with the surface's normal, speaks for the plane. One whose image lies
+where a surface would have been seen speaks against it; one whose image falls where nothing was scanned says little.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,8 @@ SLACK = 2.0
 """Distance along the tangent plane in spacings that a random sample explains."""
 
 EXACT, LEAST_SCATTER = 2.0, 1e-5
-"""Standard deviations of the surface's own scatter (at least LEAST_SCATTER diagonals) within which an image fits exactly."""
+"""Standard deviations of the surface's own scatter (at least LEAST_SCATTER diagonals) within which an image fits
+exactly."""
 
 FAR = 2.0
 """Distance of a mirror image from its point in spacings at which it counts: one on the plane agrees with any plane."""
@@ -75,7 +76,8 @@ def evidence(
 def exactness(plane: Plane, surface: Surface, found: Evidence, around: Patches) -> float:
     """The score where only images that lie as close to the surface as its own points do speak for the plane.
 
-    Measured on clean and noisy clouds alike: 0.6 and more where the symmetry is exact, less than 0.6 where there is none.
+    Measured on clean and noisy clouds alike: 0.6 and more where the symmetry is exact, less than 0.6 where there is
+    none.
 
     Args:
         plane: the plane.

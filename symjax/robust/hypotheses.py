@@ -7,8 +7,8 @@ from symjax.plane import Plane
 from symjax.robust.surface import Surface
 
 NUM_DIRECTIONS, OFFSET_STEP = 400, 0.04
-"""Directions over half the sphere, 7° apart, and distance of their offsets in diagonals: steps that a registration whose
-σ starts at 0.05 crosses."""
+"""Directions over half the sphere, 7° apart, and distance of their offsets in diagonals: steps that a registration
+whose σ starts at 0.05 crosses."""
 
 OUTER_SHARE = 0.02
 """Offsets stop where so small a share of the cloud lies beyond: a plane through a cloud cut in half is at its end."""

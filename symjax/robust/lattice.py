@@ -63,7 +63,7 @@ def lattice(surface: Surface, viewpoint: Viewpoint | None) -> Lattice:
         blame = viewpoint.blame(_middles(origin, cell))
     return Lattice(
         origin.astype(np.float32),
-        np.float32(cell),
+        np.asarray(cell, dtype=np.float32),
         surface.points.astype(np.float32)[row],
         surface.normals.astype(np.float32)[row],
         blame.astype(np.float32),

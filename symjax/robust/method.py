@@ -18,9 +18,8 @@ from symjax.stages import Stages
 from symjax.status import RESULTS, sentence
 from symjax.uncertainty import Uncertainty
 
-RIVAL = 0.9
-"""Share of the best candidate's score from which on another one is polished too: polishing moves scores by a few per
-cent."""
+RIVAL = 0.85
+"""Share of the best candidate's score from which on another one is polished too: it may be another mirror plane."""
 
 INLIER_SHARE = 0.5
 """A point is an inlier where at least half of what it could say speaks for the plane."""
@@ -54,9 +53,8 @@ def find(
     with stages("polishing"):
         local = patches(around)
         ranked, first, of_first = _polished(planes, around, local, cells, max_planes)
-        exact = exactness(first.plane, around, of_first, local)
     with stages("judging"):
-        verdict = judge(ranked, exact, around, cells)
+        verdict = judge(ranked, around, cells)
     rows = np.flatnonzero(of_first.counts > 0)
     pairs = np.stack([rows, of_first.partner[rows]], axis=1)
     share, counts = of_first.share[rows], of_first.counts[rows]
@@ -68,7 +66,6 @@ def find(
         axis=verdict.axis,
         rows=pairs,
         weight=share,
-        exactness=exact,
         inlier_fraction=float(counts[share >= INLIER_SHARE].sum() / max(counts.sum(), 1e-12)),
         sigma=first.sigma,
         converged=bool(np.asarray(first.solution.result == RESULTS.successful)),
@@ -84,13 +81,14 @@ def _polished(
     """The candidates, those that may be the best polished and weighed on all points; and the best one's details."""
     done: list[tuple[Candidate, Polished, Evidence]] = []
     for candidate in planes:
-        if len(done) == max_planes or (done and candidate.score < RIVAL * done[0][0].score):
+        if len(done) == max_planes or (done and candidate.score < RIVAL * max(of.score for _, _, of in done)):
             break
         one = polish(candidate.plane, around, local)
         if not any(same(one.plane, other.plane) for _, other, _ in done):
             of_one = evidence(one.plane, around, cells)
-            done.append((Candidate(one.plane, of_one.score), one, of_one))
-    done.sort(key=lambda entry: -entry[0].score)
+            exact = exactness(one.plane, around, of_one, local)
+            done.append((Candidate(one.plane, of_one.score, exact), one, of_one))
+    done.sort(key=lambda entry: -entry[0].merit)
     rest = [c for c in planes if not any(same(c.plane, one.plane) for _, one, _ in done)]
     rest.sort(key=lambda candidate: -candidate.score)
     return (*(candidate for candidate, _, _ in done), *rest), done[0][1], done[0][2]

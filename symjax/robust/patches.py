@@ -9,9 +9,9 @@ from symjax.frames import tangent_frames
 from symjax.robust.surface import Surface
 
 CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS = 12, 16
-"""Points that the six coefficients of a patch are fitted to. Measured, the median error of the plane: clean clouds 0.002°
-with 12 and 0.004° with 16; noise of 1 % of the diagonal 0.16° with 12, 0.11° with 16, 0.15° with 20: larger patches round
-off thin parts."""
+"""Points that the six coefficients of a patch are fitted to. Measured, the median error of the plane: clean clouds
+0.002° with 12 and 0.004° with 16; noise of 1 % of the diagonal 0.16° with 12, 0.11° with 16, 0.15° with 20: larger
+patches round off thin parts."""
 
 NEIGHBOUR = 3
 """Whose patch a point's own scatter is taken from: not its own, which it has pulled to itself."""

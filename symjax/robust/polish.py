@@ -1,8 +1,8 @@
 """The last digits of a plane: L2E with point-to-surface residuals and exact neighbours, and its standard errors.
 
-The mirror image of a random sample has no twin in it: distances between points floor the accuracy at the sample's spacing.
-The residual here is the height of a mirror image above the quadric patch of its partner; all else is the paper's
-estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
+The mirror image of a random sample has no twin in it: distances between points floor the accuracy at the sample's
+spacing. The residual here is the height of a mirror image above the quadric patch of its partner; all else is the
+paper's estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
 """
 
 from typing import NamedTuple
@@ -18,8 +18,8 @@ from symjax.robust.patches import Patches
 from symjax.robust.surface import Surface
 from symjax.sphere import SPHERE_LINE
 
-BUCKET = 2048
-"""Residuals are padded to a multiple of this, so that few sizes are compiled."""
+LEAST_BUCKET = 2048
+"""Residuals are padded to this or the next power of two, so that few sizes are compiled."""
 
 ROUNDS = 5
 """Times that the partners are looked for anew: after four the plane moves by less than its standard error."""
@@ -121,21 +121,22 @@ def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
     sigma = 2 * surface.tolerance
     with jax.enable_x64(True):
         for _ in range(ROUNDS):
-            data, partner = _paired(z, surface, around)
-            padded = _padded(data)
-            solution, residual = _solve(z, sigma, padded)
-            z, residual = np.asarray(solution.point), np.asarray(residual)[: len(partner)]
-            last, sigma = sigma, min(sigma, _scale(residual, np.asarray(data.weight), sigma))
-        hessian, slopes = (np.asarray(part) for part in _sandwich_parts(z, last, padded))
+            data, weight = _paired(z, surface, around)
+            solution, residual = _solve(jnp.asarray(z), jnp.asarray(sigma), data)
+            z, residual = np.asarray(solution.point), np.asarray(residual)[: len(weight)]
+            last, sigma = sigma, min(sigma, _scale(residual, weight, sigma))
+        hessian, slopes = (np.asarray(part) for part in _sandwich_parts(jnp.asarray(z), jnp.asarray(last), data))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
     at = Plane(z[:3], z[3])
     cell = SHARED * float(np.median(around.reach))
-    covariance = _clustered(hessian, slopes[: len(partner)], _clusters(at, surface.points, cell))
+    covariance = _clustered(hessian, slopes[: len(weight)], _clusters(at, surface.points, cell))
     return Polished(at, covariance, basis[:3, :2].T, last, solution)
 
 
-def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tuple[Residuals, Int[np.ndarray, "n"]]:
-    """Every point with its partner; those whose partner is far, or faces elsewhere, count nothing."""
+def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tuple[Residuals, Float[np.ndarray, "n"]]:
+    """Every point with its partner's patch, and its weight; those whose partner is far, or faces elsewhere, count
+    nothing.
+    """
     v, omega = z[:3], z[3]
     height = surface.points @ v - omega
     image = surface.points - 2 * height[:, None] * v
@@ -145,13 +146,14 @@ def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tup
     weight = cosine**2
     weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)
     weight *= (distance < around.reach[partner]) & ~surface.rim[partner]
-    data = Residuals(surface.points, around.origin[partner], around.axes[partner], around.coefficients[partner], weight)
-    return data, partner
+    columns = (surface.points, around.origin[partner], around.axes[partner], around.coefficients[partner], weight)
+    return _padded(*columns), weight
 
 
-def _padded(data: Residuals) -> Residuals:
-    extra = -len(data.weight) % BUCKET
-    return Residuals(*(np.pad(leaf, ((0, extra), *[(0, 0)] * (leaf.ndim - 1))) for leaf in data))
+def _padded(*columns: Float[np.ndarray, "n ..."]) -> Residuals:
+    count = len(columns[0])
+    extra = max(LEAST_BUCKET, 1 << (count - 1).bit_length()) - count
+    return Residuals(*(jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1)))) for column in columns))
 
 
 def _scale(residual: Float[np.ndarray, "n"], weight: Float[np.ndarray, "n"], sigma: float) -> float:

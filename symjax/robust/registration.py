@@ -1,9 +1,10 @@
 """L2E with refreshed correspondences: planes move until the mirrored cloud lies on the cloud.
 
-The partner of a point is the surface point nearest to its mirror image, looked up in a lattice. The residual is the mirror
-image's distance from the partner's tangent plane (and a share of its distance from the partner); its L2E weight
-exp(−‖r‖²/2σ²) and a Gauss-Newton step of the reweighted squares, which is the minorise-maximise step of the L2E criterion,
-move the plane; σ goes down. Everything is in single precision, over a batch of planes, in fixed shapes.
+The partner of a point is the surface point nearest to its mirror image, looked up in a lattice. The residual is the
+mirror image's distance from the partner's tangent plane (and a share of its distance from the partner); its L2E
+weight exp(−‖r‖²/2σ²) and a Gauss-Newton step of the reweighted squares, which is the minorise-maximise step of the
+L2E criterion, move the plane; σ goes down. Everything is in single precision, over a batch of planes, in fixed
+shapes.
 """
 
 from functools import partial
@@ -51,8 +52,10 @@ class Probes(NamedTuple):
 
 
 def _dot(a: Float[Array, "*n 3"], b: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
-    """Products of rows, component by component. (A sum over an axis of length 3 inside vmap is compiled wrongly by
-    jaxlib 0.10 on some CPUs, and a matrix product would run in TF32 on a GPU.)
+    """Products of rows, component by component.
+
+    A sum over an axis of length 3 inside vmap is compiled wrongly by jaxlib 0.10 on some CPUs (the batch's last rows
+    differ from the same rows alone), and a matrix product would run in TF32 on a GPU.
     """
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -15,8 +16,8 @@ from symjax.robust.lattice import Lattice
 from symjax.robust.registration import Planes, Probes, agreement, register
 from symjax.robust.surface import Surface
 
-BUCKET = 1024
-"""Hypotheses are padded to a multiple of this, so that few sizes are compiled."""
+CHUNK = 1024
+"""Hypotheses are screened so many at a time, whatever their number, so that one size is compiled."""
 
 
 class Round(NamedTuple):
@@ -96,17 +97,22 @@ def _probes(surface: Surface, order: Int[np.ndarray, "n"], count: int) -> Probes
     """The first points of an order; of a small cloud some twice, so that the shape is the same."""
     rows = np.resize(order, count)
     weight = surface.trust[rows] / surface.trust[rows].mean()
-    return Probes(*(array.astype(np.float32) for array in (surface.points[rows], surface.normals[rows], weight)))
+    columns = (surface.points[rows], surface.normals[rows], weight)
+    return Probes(*(jnp.asarray(column.astype(np.float32)) for column in columns))
 
 
 def _as_batch(planes: Plane, rows: Int[np.ndarray, "r"]) -> Planes:
-    return Planes(planes.normal[rows].astype(np.float32), planes.offset[rows].astype(np.float32))
+    return Planes(*(jnp.asarray(column[rows].astype(np.float32)) for column in planes))
 
 
 def _agreement(planes: Plane, sigma: float, probes: Probes, lattice: Lattice) -> Float[np.ndarray, "p"]:
     count = len(planes.offset)
-    rows = np.resize(np.arange(count), count + (-count % BUCKET if count > BUCKET else 0))
-    return np.asarray(agreement(_as_batch(planes, rows), np.float32(sigma), probes, lattice))[:count]
+    size = min(count, CHUNK)
+    scores = [
+        np.asarray(agreement(_as_batch(planes, rows), np.float32(sigma), probes, lattice))
+        for rows in np.resize(np.arange(count), (-(-count // size), size))
+    ]
+    return np.concatenate(scores)[:count]
 
 
 def distinct(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:

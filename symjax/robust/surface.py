@@ -32,8 +32,8 @@ class Surface(NamedTuple):
     Attributes:
         points: the points.
         normals: unit normals of either orientation.
-        trust: how well a point agrees with its neighbours' tangent planes and normals, 0 to 1: what its mirror image can
-            agree with at best. An outlier has almost none.
+        trust: how well a point agrees with its neighbours' tangent planes and normals, 0 to 1: what its mirror image
+            can agree with at best. An outlier has almost none.
         rim: whether the surface ends at a point.
         spacing: side of the square that one point has to itself, on the median.
         thickness: standard deviation of the points about their neighbours' planes, on the median.
@@ -70,29 +70,32 @@ def surface(points: Float[np.ndarray, "n 3"], *, normals: Float[np.ndarray, "n 3
     spacing = float(np.median(distance[:, 5]) / np.sqrt(6 / np.pi))
     noisy = _is_noisy(points, near, spacing)
     near_enough = near[:, : COARSE if noisy else FINE]
-    given = None if normals is None else normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    trust = None
+    trust = np.ones(len(points))
     # the second time without those that belong to no surface
     for _ in range(2):
-        variance, normals = _scatter(points, near_enough, trust)
+        variance, least = _scatter(points, near_enough, trust)
         thickness = float(np.median(np.sqrt(variance)))
-        normals = normals if given is None else given
-        trust = _trust(points, normals, near, max(0.5 * spacing, 1.5 * thickness))
-    return Surface(points, normals, trust, _rim(points, normals, near, distance), spacing, thickness, noisy, tree)
+        if normals is not None:
+            least = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        trust = _trust(points, least, near, max(0.5 * spacing, 1.5 * thickness))
+    return Surface(points, least, trust, _rim(points, least, near, distance), spacing, thickness, noisy, tree)
 
 
 def _is_noisy(points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "n k"], spacing: float) -> bool:
     """Whether noise, not curvature, thickens the surface."""
     probes = np.arange(0, len(points), max(1, len(points) // 500))
-    fine, coarse = (float(np.median(np.sqrt(_scatter(points, near[probes, :size])[0]))) for size in (FINE, COARSE))
+    everybody = np.ones(len(points))
+    fine, coarse = (
+        float(np.median(np.sqrt(_scatter(points, near[probes, :size], everybody)[0]))) for size in (FINE, COARSE)
+    )
     return fine > NOISY * spacing and coarse < GROWTH * fine
 
 
 def _scatter(
-    points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "m k"], weight: Float[np.ndarray, "n"] | None = None
+    points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "m k"], weight: Float[np.ndarray, "n"]
 ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m 3"]]:
     """Least variance of neighbours about their mean, and its direction."""
-    share = np.ones(near.shape) if weight is None else weight[near] + 1e-6
+    share = weight[near] + 1e-6
     share = share / share.sum(axis=1, keepdims=True)
     offset = points[near]
     offset = offset - np.matmul(share[:, None], offset)

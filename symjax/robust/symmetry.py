@@ -13,19 +13,24 @@ from symjax.robust.lattice import Lattice
 from symjax.robust.surface import Surface
 
 EXACT, EXACT_LEAST = 0.7, 0.4
-"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as its own
-points do, that is no chance."""
+"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as
+its own points do, that is no chance."""
 
 LEAST, PER_BACKGROUND, MOST = 0.4, 0.5, 0.7
 """Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
-`experiments.calibration` prints the rates of right and wrong answers from which they were chosen, on generated objects."""
+`experiments.calibration` prints the rates of right and wrong answers from which they were chosen, on generated
+objects."""
 
 BACKGROUND = slice(4, 12)
-"""Ranks of the candidates whose median score is the background: what planes score on this cloud that are local optima and
-no symmetries. Compact round clouds agree with any plane through their middle to some extent."""
+"""Ranks of the candidates whose median score is the background: what planes score on this cloud that are local optima
+and no symmetries. Compact round clouds agree with any plane through their middle to some extent."""
+
+HOLDS = 0.87
+"""Share of the best merit from which on another plane above its threshold is a mirror plane too: one that a missing
+part has taken more from."""
 
 AS_GOOD = 0.97
-"""Share of the best score from which on another plane is as good."""
+"""Share of the best merit from which on another plane is as good."""
 
 AXIS_TRIALS = 8
 """Best candidates whose intersections are tried as axes."""
@@ -48,30 +53,36 @@ class Verdict(NamedTuple):
     axis: Axis | None
 
 
-def judge(ranked: tuple[Candidate, ...], exactness: float, surface: Surface, lattice: Lattice) -> Verdict:
+def judge(ranked: tuple[Candidate, ...], surface: Surface, lattice: Lattice) -> Verdict:
     """Whether there is a mirror plane, whether it is the only one, and of what kind several are.
 
     Args:
         ranked: distinct candidates, the best first.
-        exactness: of the first.
         surface: in units of its diagonal.
         lattice: around it.
     """
-    best = ranked[0].score
+    best = ranked[0]
     background = float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
-    threshold = EXACT_LEAST if exactness > EXACT else min(LEAST + PER_BACKGROUND * background, MOST)
-    if best <= threshold:
+    rough = min(LEAST + PER_BACKGROUND * background, MOST)
+    threshold = _threshold(best, rough)
+    if best.score <= threshold:
         return Verdict(threshold, "none", False, None)
-    as_good = [c for c in ranked if c.score > max(threshold, AS_GOOD * best)]
-    if len(as_good) == 1:
+    holding = [c for c in ranked if c.score > _threshold(c, rough) and c.merit > HOLDS * best.merit]
+    if len(holding) == 1:
         return Verdict(threshold, "one plane", False, None)
-    least = max(threshold, STILL_AS_GOOD * best)
+    if holding[1].merit < AS_GOOD * best.merit:
+        return Verdict(threshold, "several planes", False, None)
+    least = max(threshold, STILL_AS_GOOD * best.score)
     axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
     if axis is None:
         return Verdict(threshold, "several planes", True, None)
     if _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least):
         return Verdict(threshold, "sphere", True, axis)
     return Verdict(threshold, "axis", True, axis)
+
+
+def _threshold(candidate: Candidate, rough: float) -> float:
+    return EXACT_LEAST if (candidate.exactness or 0.0) > EXACT else rough
 
 
 def _axis(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> Axis | None:

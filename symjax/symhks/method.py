@@ -76,7 +76,6 @@ def find(
         axis=None,
         rows=matches.rows,
         weight=answer.weight,
-        exactness=None,
         inlier_fraction=float(np.mean(answer.weight >= INLIER_WEIGHT)),
         sigma=sigma,
         converged=answer.converged,
