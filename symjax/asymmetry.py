@@ -14,7 +14,7 @@ def asymmetry(
     """Signed distances of the points' mirror images from the surface of a cloud.
 
     Args:
-        points: the points that are mirrored.
+        points: the points that are mirrored; the distance of one that is not finite is NaN.
         plane: the mirror.
         cloud: distinct points of the surface, without outliers; at least nine.
 
@@ -24,11 +24,14 @@ def asymmetry(
         cloud.
     """
     around = surface(cloud)
-    image = np.asarray(plane.reflect(points))
+    finite = np.isfinite(points).all(axis=1)
+    image = np.asarray(plane.reflect(points[finite]))
     distance, partner = around.tree.query(image, workers=-1)
     normal = around.normals[partner]
     outward = ((around.points[partner] - np.median(cloud, axis=0)) * normal).sum(axis=1)
     height = ((image - around.points[partner]) * normal).sum(axis=1)
     along = np.sqrt(np.maximum(distance**2 - height**2, 0.0))
     beyond = np.maximum(along - SLACK * around.spacing, 0.0)
-    return np.sign(height) * np.where(outward < 0, -1, 1) * np.hypot(height, beyond)
+    signed = np.full(len(points), np.nan)
+    signed[finite] = np.sign(height) * np.where(outward < 0, -1, 1) * np.hypot(height, beyond)
+    return signed

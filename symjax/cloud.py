@@ -52,6 +52,7 @@ class Cloud(NamedTuple):
         centre: mean of the given points.
         diagonal: length of the principal box's diagonal, in the given units.
         num_given: rows of the given array.
+        cleaned: whether outliers or a floor were left out.
         notes: what was dropped, merged, thinned or found, as sentences.
     """
 
@@ -61,6 +62,7 @@ class Cloud(NamedTuple):
     centre: Float[np.ndarray, "3"]
     diagonal: float
     num_given: int
+    cleaned: bool
     notes: tuple[str, ...]
 
 
@@ -100,14 +102,17 @@ def prepare(
     posed = _posed(given[index])
     _warn_of_precision(points, posed)
     rows = np.argsort(posed.points[:, 0], kind="stable")
+    cleaned = False
     if drop_scattered or drop_floor:
         rows = rows[_evenly(len(rows), DENSITY_POINTS)]
         rows = rows[_merge(posed.points[rows], notes)]
+        num_looked_at = len(rows)
         if drop_scattered:
             rows = _without(rows, scattered(posed.points[rows]), "are scattered outliers and were left out", notes)
         floor = floor_rows(posed.points[rows]) if drop_floor else None
         if floor is not None:
             rows = _without(rows, floor.rows, "lie on the floor and were left out", notes)
+        cleaned = len(rows) < num_looked_at
         index = index[rows]
         _require(len(index), "points that are neither outliers nor floor")
         posed = _posed(given[index])
@@ -120,7 +125,16 @@ def prepare(
     if not (drop_scattered or drop_floor):
         rows = rows[_merge(posed.points[rows], notes)]
     _require(len(rows), "distinct points")
-    return Cloud(posed.points[rows], index[rows], posed.frame, posed.centre, posed.diagonal, len(given), tuple(notes))
+    return Cloud(
+        posed.points[rows],
+        index[rows],
+        posed.frame,
+        posed.centre,
+        posed.diagonal,
+        len(given),
+        cleaned,
+        tuple(notes),
+    )
 
 
 def _without(

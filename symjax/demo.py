@@ -21,6 +21,8 @@ MISSING = 0.25
 """Share of the surface that the scan lacks, one connected part."""
 NOISE = 0.002
 """Standard deviation of the noise in each coordinate, as a fraction of the diagonal."""
+OUTLIERS = 0.5
+"""Stray points in the scan's box per point of the scan."""
 FILES = ("demo.html", "demo.png")
 
 
@@ -34,14 +36,11 @@ class Scan(NamedTuple):
 
 
 def make_scan(seed: int) -> Scan:
-    """A random object in a random pose, with a part missing and noise; its seed repeats it.
-
-    No stray points: heat flows through them, and `sym-hks` takes few.
-    """
+    """A random object in a random pose, with a part missing, noise and stray points; its seed repeats it."""
     rng = np.random.default_rng(seed)
     upright = samples.generate(KIND, num_points=NUM_POINTS, rng=rng)
     whole = samples.pose(upright, rng)
-    corrupted = samples.corrupt(whole.points, rng, missing=MISSING, noise=NOISE)
+    corrupted = samples.corrupt(whole.points, rng, missing=MISSING, noise=NOISE, outliers=OUTLIERS)
     truth = Plane(whole.normals[0], whole.offsets[0])
     before, after = (points - points.mean(axis=0) for points in (upright.points, whole.points))
     up = np.linalg.lstsq(before, after)[0][2]
@@ -69,7 +68,8 @@ def run(folder: Path, *, seed: int, progress: Callable[[str], None]) -> list[str
     progress(f"writing {picture}")
     write_png(detection, picture, up=scan.up)
     return [
-        f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size; seed {seed}.",
+        f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size, and a stray "
+        f"point for every {1 / OUTLIERS:.0f} of the rest; seed {seed}.",
         *report.lines(detection),
         _comparison(detection, scan),
         f"Written in {perf_counter() - start:.1f} s in all: {page} (interactive, open it in a browser), {picture}",

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import ArrayLike, Float, Int
+from jaxtyping import ArrayLike, Bool, Float, Int
+from scipy.spatial import cKDTree
 
 from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.files.output import replacing
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 FORMAT = "symjax detection 2"
+
+NEAR = 3.0
+"""Distance from a used point, in usual distances between used points, within which a point belongs to the object."""
 
 
 class Pairs(NamedTuple):
@@ -64,10 +68,11 @@ class Detection:
         diagonal: length of the diagonal of the cloud's box in its principal frame.
         seed: the seed given, or None for a generator.
         num_points: points given.
-        num_used: points used after dropping, merging and thinning.
+        used: rows of the given points that were used, after dropping, merging and thinning.
+        cleaned: whether scattered outliers, or a floor, were left out.
         notes: what was done to the points, or found in them, as sentences.
         timings: seconds of every stage, in order.
-        points: the given points, those that are finite; None in a detection loaded from a file.
+        points: the given points; None in a detection loaded from a file.
     """
 
     plane: Plane
@@ -89,41 +94,71 @@ class Detection:
     diagonal: float
     seed: int | None
     num_points: int
-    num_used: int
+    used: Int[np.ndarray, "k"]
+    cleaned: bool
     notes: tuple[str, ...]
     timings: dict[str, float]
     points: Float[np.ndarray, "n 3"] | None = field(default=None, repr=False)
+
+    @property
+    def num_used(self) -> int:
+        """Number of points used."""
+        return len(self.used)
 
     def mirror(self, points: Float[ArrayLike, "n 3"]) -> Float[np.ndarray, "n 3"]:
         """Mirror images of points in the plane."""
         return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
 
-    def complete(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "2n 3"]:
-        """The completed object P ∪ Q (Sec. 5.6): the points, by default those given, and their mirror images.
+    def on_surface(self, points: Float[ArrayLike, "n 3"] | None = None) -> Bool[np.ndarray, "n"]:
+        """Which points belong to the object: the finite ones; where outliers or a floor were left out, near used ones.
+
+        Args:
+            points: points in the given units; by default those kept.
 
         Raises:
             InvalidArgumentError: neither passed nor kept.
         """
         points = self._given(points)
+        finite = np.asarray(np.isfinite(points).all(axis=1))
+        if not self.cleaned:
+            return finite
+        surface = cKDTree(self._given(None)[self.used])
+        usual = np.median(surface.query(surface.data, k=2)[0][:, 1])
+        finite[finite] = surface.query(points[finite], workers=-1)[0] <= NEAR * usual
+        return finite
+
+    def complete(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "2n 3"]:
+        """The completed object P ∪ Q (Sec. 5.6): the points and their mirror images.
+
+        Args:
+            points: by default those kept that are `on_surface`.
+
+        Raises:
+            InvalidArgumentError: neither passed nor kept.
+        """
+        if points is None:
+            points = self._given(None)[self.on_surface()]
+        points = np.asarray(points, dtype=float)
         return np.concatenate([points, self.mirror(points)])
 
     def asymmetry(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "n"]:
         """The asymmetry map: signed distance of every point's mirror image from the surface, in the points' units.
 
         Positive where the image lies outside, on the side that faces away from the middle of the cloud. The surface is
-        that of the matched points.
+        that of the used points.
 
         Args:
-            points: the given points, those that are finite; by default those kept.
+            points: points in the given units; by default those kept.
+
+        Returns:
+            Distances in the order of the points; NaN for one that is not finite.
 
         Raises:
             InvalidArgumentError: neither passed nor kept.
         """
         from symjax.asymmetry import asymmetry
 
-        points = self._given(points)
-        matched = np.unique(np.concatenate([self.pairs.x, self.pairs.y]), axis=0)
-        return asymmetry(points, self.plane, matched)
+        return asymmetry(self._given(points), self.plane, self._given(None)[self.used])
 
     def _given(self, points: Float[ArrayLike, "n 3"] | None) -> Float[np.ndarray, "n 3"]:
         points = self.points if points is None else points
@@ -189,6 +224,7 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
                 np.array(pairs["rows"], dtype=np.int64).reshape(-1, 2),
                 np.array(pairs["weight"], dtype=float),
             ),
+            used=np.array(values.pop("used"), dtype=np.int64),
             notes=tuple(values.pop("notes")),
             points=None if points is None else np.asarray(points, dtype=float),
             **values,

@@ -12,6 +12,10 @@ Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
 Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
 
 
+EXACT_SHARE = 0.25
+"""Weight of exactness beside the score. More of it prefers, of two rough symmetries, the one of a few exact parts."""
+
+
 class Candidate(NamedTuple):
     """One distinct plane.
 
@@ -27,8 +31,8 @@ class Candidate(NamedTuple):
 
     @property
     def merit(self) -> float:
-        """What candidates are ranked by: agreement, and exact agreement, which noise cannot blur."""
-        return self.score + (self.exactness or 0.0)
+        """What candidates are ranked by: agreement, and a share of exact agreement, which noise cannot blur."""
+        return self.score + EXACT_SHARE * (self.exactness or 0.0)
 
 
 class Finding(NamedTuple):

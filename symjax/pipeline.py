@@ -165,10 +165,11 @@ def _detection(
         diagonal=cloud.diagonal,
         seed=seed,
         num_points=cloud.num_given,
-        num_used=len(cloud.points),
+        used=cloud.rows,
+        cleaned=cloud.cleaned,
         notes=(*reading, *cloud.notes, *finding.notes),
         timings=stages.seconds,
-        points=given[np.isfinite(given).all(axis=1)],
+        points=given,
     )
 
 

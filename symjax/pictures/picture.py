@@ -102,7 +102,7 @@ def draw(
     right = _draw_panel(panel, scene, both, np.arange(len(both)) >= len(scene.cloud), pairs=False)
     for column, drawn in ((0, left), (width // 2, right)):
         page.paste(drawn.reduce(SUPERSAMPLING), (column, header))
-    _write_text(ImageDraw.Draw(page), scenes.headline(detection), len(scene.weight), size, unit)
+    _write_text(ImageDraw.Draw(page), scenes.headline(detection), scene, size, unit)
     return page
 
 
@@ -131,6 +131,8 @@ def _draw_panel(
     radius = _disc_radius(projected[~is_mirrored], panel)
     far, near = np.quantile(projected[:, 2], (0.01, 0.99)).tolist()
     canvas = Image.new("RGB", (panel.width, panel.height), BACKGROUND)
+    if pairs:
+        _draw_stray(canvas, panel, scene.stray)
     for is_front in (False, True):
         here = (side >= 0) == is_front
         if is_front:
@@ -148,6 +150,13 @@ def _draw_panel(
         if pairs:
             _draw_pairs(canvas, panel, scene, facing if is_front else -facing)
     return canvas
+
+
+def _draw_stray(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 3"]) -> None:
+    """Small faint dots behind everything."""
+    brush = ImageDraw.Draw(canvas)
+    for x, y in panel.pixels(points):
+        brush.circle((x, y), SUPERSAMPLING, fill=scenes.STRAY)
 
 
 def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
@@ -200,7 +209,7 @@ def _font(pixels: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 
 def _write_text(
-    brush: ImageDraw.ImageDraw, headline: tuple[str, str], num_pairs: int, size: tuple[int, int], unit: float
+    brush: ImageDraw.ImageDraw, headline: tuple[str, str], scene: scenes.Scene, size: tuple[int, int], unit: float
 ) -> None:
     """The headline above both panels, and under each a legend."""
     width, height = size
@@ -210,7 +219,8 @@ def _write_text(
     brush.text((margin, 62 * unit), verdict, fill=scenes.FAINT_INK, font=_font(round(20 * unit)))
     legends = (
         [(scenes.CLOUD, "cloud"), (scenes.PLANE, "mirror plane")]
-        + ([(scenes.PAIR, "matched pairs"), (scenes.REJECTED, "rejected")] if num_pairs else []),
+        + ([(scenes.PAIR, "matched pairs"), (scenes.REJECTED, "rejected")] if len(scene.weight) else [])
+        + ([(scenes.STRAY, "left out")] if len(scene.stray) else []),
         [(scenes.CLOUD, "cloud"), (scenes.MIRRORED, "its mirror image")],
     )
     font = _font(round(18 * unit))

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 20_000
 MAX_PAIRS = 1000
+STRAY_SCALE = 0.4
+"""Size of the points that were left out, beside those of the surface."""
+
 MAX_OTHERS = 4
 """Candidate planes beside the best that the legend offers."""
 
@@ -155,6 +158,11 @@ def figure(
         points_trace(scene.mirrored + shift, light, "its mirror image", scenes.MIRRORED, scene="scene2"),
         *plane_traces(scene.quad + shift, "mirror plane", scenes.PLANE),
     ]
+    if len(scene.stray):
+        dark = np.ones(len(scene.stray))
+        traces.append(
+            points_trace(scene.stray + shift, dark, "left out", scenes.STRAY, scene="scene", scale=STRAY_SCALE)
+        )
     if accepted.any():
         traces.append(pairs_trace(scene, shift, accepted, "matched pairs", scenes.PAIR, width=3, opacity=1.0))
     if not accepted.all():

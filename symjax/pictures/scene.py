@@ -18,6 +18,7 @@ MIRRORED = (238, 136, 44)
 PLANE = (38, 158, 140)
 PAIR = (196, 32, 66)
 REJECTED = (150, 156, 166)
+STRAY = (206, 210, 217)
 INK = (31, 41, 55)
 FAINT_INK = (107, 114, 128)
 
@@ -50,12 +51,16 @@ class View(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """A detection ready to draw, about `origin`, so that a distant cloud keeps its digits."""
+    """A detection ready to draw, about `origin`, so that a distant cloud keeps its digits.
+
+    `stray` are the points that were left out: outliers, or a floor.
+    """
 
     origin: Float[np.ndarray, "3"]
     size: float
     cloud: Float[np.ndarray, "n 3"]
     mirrored: Float[np.ndarray, "n 3"]
+    stray: Float[np.ndarray, "s 3"]
     plane: "Plane"
     quad: Float[np.ndarray, "4 3"]
     others: tuple[Float[np.ndarray, "4 3"], ...]
@@ -88,10 +93,12 @@ def build(
         raise InvalidArgumentError(f"max_points must be positive, got {max_points}: give at least 1")
     if detection.points is None:
         raise TooFewPointsError("the detection was loaded without its points: give them to load(path, points=...)")
-    points = np.asarray(detection.points, dtype=np.float64)
-    points = points[np.isfinite(points).all(axis=1)]
+    given = np.asarray(detection.points, dtype=np.float64)
+    on_surface = detection.on_surface()
+    points = given[on_surface]
     if not len(points):
         raise TooFewPointsError("the detection holds no finite point to draw: run detect on the cloud again")
+    stray = thin(given[~on_surface & np.isfinite(given).all(axis=1)], max_points)
     points = thin(points, max_points)
     low, high = reach(points)
     origin = (low + high) / 2
@@ -106,6 +113,7 @@ def build(
         size=size,
         cloud=cloud,
         mirrored=np.asarray(plane.reflect(cloud)),
+        stray=stray - origin,
         plane=plane,
         quad=_quad(plane, axes, cloud, size),
         others=tuple(

@@ -54,7 +54,7 @@ def find(
         local = patches(around)
         ranked, first, of_first = _polished(planes, around, local, cells, max_planes)
     with stages("judging"):
-        verdict = judge(ranked, around, cells)
+        verdict = judge(ranked, around, local, cells)
     rows = np.flatnonzero(of_first.counts > 0)
     pairs = np.stack([rows, of_first.partner[rows]], axis=1)
     share, counts = of_first.share[rows], of_first.counts[rows]

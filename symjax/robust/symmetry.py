@@ -10,13 +10,15 @@ from symjax.finding import Axis, Candidate, Symmetry
 from symjax.plane import Plane
 from symjax.robust.evidence import evidence
 from symjax.robust.lattice import Lattice
+from symjax.robust.patches import Patches
 from symjax.robust.surface import Surface
 
-EXACT, EXACT_LEAST = 0.7, 0.4
-"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as
-its own points do, that is no chance."""
+EXACT, EXACT_PER_NOISE, EXACT_LEAST = 0.5, 0.35, 0.4
+"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as its
+own points do, that is no chance. The noisier the surface, the more chance there is: EXACT, and EXACT_PER_NOISE times the
+surface's own scatter in its tolerances."""
 
-LEAST, PER_BACKGROUND, MOST = 0.4, 0.5, 0.7
+LEAST, PER_BACKGROUND, MOST = 0.36, 0.63, 0.8
 """Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
 `experiments.calibration` prints the rates of right and wrong answers from which they were chosen, on generated
 objects."""
@@ -53,36 +55,37 @@ class Verdict(NamedTuple):
     axis: Axis | None
 
 
-def judge(ranked: tuple[Candidate, ...], surface: Surface, lattice: Lattice) -> Verdict:
+def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, lattice: Lattice) -> Verdict:
     """Whether there is a mirror plane, whether it is the only one, and of what kind several are.
 
     Args:
         ranked: distinct candidates, the best first.
         surface: in units of its diagonal.
+        around: its patches.
         lattice: around it.
     """
     best = ranked[0]
+    exact = EXACT + EXACT_PER_NOISE * around.scatter / surface.tolerance
     background = float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
-    rough = min(LEAST + PER_BACKGROUND * background, MOST)
-    threshold = _threshold(best, rough)
-    if best.score <= threshold:
-        return Verdict(threshold, "none", False, None)
-    holding = [c for c in ranked if c.score > _threshold(c, rough) and c.merit > HOLDS * best.merit]
+
+    def threshold(candidate: Candidate) -> float:
+        if (candidate.exactness or 0.0) > exact:
+            return EXACT_LEAST
+        return min(LEAST + PER_BACKGROUND * background, MOST)
+
+    if best.score <= threshold(best):
+        return Verdict(threshold(best), "none", False, None)
+    holding = [c for c in ranked if c.score > threshold(c) and c.merit > HOLDS * best.merit]
     if len(holding) == 1:
-        return Verdict(threshold, "one plane", False, None)
+        return Verdict(threshold(best), "one plane", False, None)
     if holding[1].merit < AS_GOOD * best.merit:
-        return Verdict(threshold, "several planes", False, None)
-    least = max(threshold, STILL_AS_GOOD * best.score)
+        return Verdict(threshold(best), "several planes", False, None)
+    least = max(threshold(best), STILL_AS_GOOD * best.score)
     axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
     if axis is None:
-        return Verdict(threshold, "several planes", True, None)
-    if _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least):
-        return Verdict(threshold, "sphere", True, axis)
-    return Verdict(threshold, "axis", True, axis)
-
-
-def _threshold(candidate: Candidate, rough: float) -> float:
-    return EXACT_LEAST if (candidate.exactness or 0.0) > EXACT else rough
+        return Verdict(threshold(best), "several planes", True, None)
+    tilted = _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least)
+    return Verdict(threshold(best), "sphere" if tilted else "axis", True, axis)
 
 
 def _axis(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> Axis | None:
