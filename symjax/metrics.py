@@ -3,12 +3,17 @@
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 if TYPE_CHECKING:
+    from jaxtyping import Array
+
     from symjax.plane import Plane
 
-AnyArray: TypeAlias = Array | np.ndarray
+    AnyArray: TypeAlias = Array | np.ndarray
+else:
+    # jaxtyping's `Array` would import JAX
+    AnyArray = Any
 """An array of JAX or of NumPy."""
 
 

@@ -16,7 +16,8 @@ def lines(detection: "Detection") -> Iterator[str]:
     yield _line("offset", f"{float(detection.plane.offset):+.6g}   (normal · x = offset, in the units of the points)")
     uncertainty = detection.uncertainty
     if uncertainty is not None:
-        yield _line("errors", f"{uncertainty.normal_degrees:.2g} degrees, {uncertainty.offset:.2g} units   (standard)")
+        precision = f"{uncertainty.normal_degrees:.2g} degrees, {uncertainty.offset:.2g} units"
+        yield _line("precision", f"{precision}   (standard errors)")
     verdict, relation = ("yes", "above") if detection.found else ("no", "not above")
     if not detection.found and detection.score > detection.threshold:
         relation = "above"

@@ -14,12 +14,15 @@ from symjax.detection import Candidate, Detection, Pairs
 from symjax.errors import ComponentsWarning, DegenerateCloudError
 from symjax.files.pointfile import read_points, write_points
 from symjax.plane import Plane
+from symjax.symhks.method import RESTARTS
 
 PLANE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.25))
 STAGES = ("preparing", "fitting")
 
 
-def fake_detect(points, method="sym-hks", *, rng=0, sigma=0.03, restarts=64, nonfinite="raise", progress=None):
+def fake_detect(
+    points, method="robust", *, rng=0, sigma=0.03, restarts=64, nonfinite="raise", progress=None, **options
+):
     """What `detect` would give for a cloud whose mirror plane is x = 0.25."""
     for stage in STAGES:
         progress(stage)
@@ -27,9 +30,14 @@ def fake_detect(points, method="sym-hks", *, rng=0, sigma=0.03, restarts=64, non
     return Detection(
         plane=PLANE,
         found=True,
+        ambiguous=False,
+        symmetry="one plane",
+        axis=None,
+        uncertainty=None,
+        exactness=None,
         score=0.7,
         threshold=0.3,
-        candidates=(Candidate(PLANE, -1.0, 0.7),),
+        candidates=(Candidate(PLANE, 0.7),),
         pairs=Pairs(points[index[:, 0]], points[index[:, 1]], index, np.array([1.0, 0.5, 0.0])),
         inlier_fraction=2 / 3,
         converged=True,
@@ -39,8 +47,9 @@ def fake_detect(points, method="sym-hks", *, rng=0, sigma=0.03, restarts=64, non
         diagonal=2.0,
         seed=rng,
         num_points=len(points),
-        num_used=len(points),
-        notes=(f"restarts {restarts}, nonfinite {nonfinite}",),
+        used=np.arange(len(points)),
+        cleaned=False,
+        notes=(f"restarts {restarts}, nonfinite {nonfinite}", *(f"{k} {v}" for k, v in options.items() if v)),
         timings=dict.fromkeys(STAGES, 0.5),
         points=points,
     )
@@ -127,9 +136,18 @@ def test_options_reach_detect(run, fake, scan):
     assert "restarts 5, nonfinite drop" in out
 
 
+def test_options_of_the_robust_method_reach_detect(run, fake, scan):
+    _, out, _ = run("detect", scan, "--init", 1, 0, 0, 0.5, "--remove-floor", "--max-planes", 3)
+    assert "init ((1.0, 0.0, 0.0), 0.5)" in out
+    assert "remove_floor True" in out
+    assert "max_planes 3" in out
+    assert "drop_outliers" not in out
+
+
 def test_help_states_the_default_of_detect(run):
     _, out, _ = run("detect", "--help")
-    assert f"[default: {pipeline.RESTARTS}]" in out
+    assert f"[default: {RESTARTS}]" in out
+    assert f"[default: {pipeline.MAX_PLANES}]" in out
 
 
 def test_outputs_are_written_and_not_replaced_without_force(run, fake, scan, tmp_path):

@@ -9,7 +9,8 @@ import symjax
 from symjax.detection import Detection, Pairs
 from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.plane import Plane
-from symjax.symhks.search import Candidate
+from symjax.uncertainty import Uncertainty
+from symjax.finding import Candidate
 
 
 @pytest.fixture
@@ -20,11 +21,16 @@ def detection(rng):
     return Detection(
         plane=plane,
         found=True,
+        ambiguous=True,
+        symmetry="axis",
+        axis=(np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.0, 1.0])),
+        uncertainty=Uncertainty(np.diag([1e-4, 2e-4, 3e-4]), np.array([[0.8, -0.6, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3)),
+        exactness=0.4,
         score=0.5,
         threshold=0.1,
         candidates=(
-            Candidate(plane, -3.0, 0.5),
-            Candidate(Plane(np.array([0.0, 0.0, 1.0]), np.float64(-2.0)), 1.0, 0.1),
+            Candidate(plane, 0.5, 0.4),
+            Candidate(Plane(np.array([0.0, 0.0, 1.0]), np.float64(-2.0)), 0.1),
         ),
         pairs=Pairs(x, np.asarray(plane.reflect(x)), np.stack([np.arange(5), np.arange(5, 10)], axis=1), np.ones(5)),
         inlier_fraction=0.9,
@@ -35,7 +41,8 @@ def detection(rng):
         diagonal=4.0,
         seed=7,
         num_points=40,
-        num_used=39,
+        used=np.arange(39),
+        cleaned=False,
         notes=("1 point was dropped",),
         timings={"fitting": 0.1},
         points=points,

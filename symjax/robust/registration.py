@@ -69,12 +69,12 @@ class _Mirrored(NamedTuple):
 
 
 def _mirrored(v: Float[Array, "3"], omega: Float[Array, ""], probes: Probes, lattice: Lattice) -> _Mirrored:
-    height = _dot(probes.x, v) - omega
-    image = probes.x - 2 * height[:, None] * v
-    at = jnp.clip(((image - lattice.origin) / lattice.cell).astype(jnp.int32), 0, SIZE - 1)
+    height = _dot(probes.x, v[None, :]) - omega
+    image = probes.x - 2 * height[:, None] * v[None, :]
+    at = jnp.clip(((image - lattice.origin[None, :]) / lattice.cell).astype(jnp.int32), 0, SIZE - 1)
     index: Int[Array, m] = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
     normal = lattice.normal[index]
-    cosine = jnp.abs(_dot(probes.normals, normal) - 2 * _dot(probes.normals, v) * _dot(normal, v))
+    cosine = jnp.abs(_dot(probes.normals, normal) - 2 * _dot(probes.normals, v[None, :]) * _dot(normal, v[None, :]))
     return _Mirrored(height, image - lattice.point[index], normal, cosine, lattice.blame[index])
 
 
@@ -125,15 +125,15 @@ def _step(plane: Planes, sigma: Float[Array, ""], probes: Probes, lattice: Latti
     m = _mirrored(v, omega, probes, lattice)
     counts, share = _evidence(sigma, probes, m)
     weight = counts * share
-    along = _dot(m.normal, v)
+    along = _dot(m.normal, v[None, :])
     residual = _dot(m.normal, m.offset)
     # derivative of the residual n·(x − 2(v·x − ω)v − y) in v (a vector a row) and in ω
     slope = -2 * (along[:, None] * probes.x + m.height[:, None] * m.normal)
     basis = tangent_basis(v)
-    jacobian = [_dot(slope, basis[:, 0]), _dot(slope, basis[:, 1]), 2 * along]
+    jacobian = [_dot(slope, basis[None, :, 0]), _dot(slope, basis[None, :, 1]), 2 * along]
     # of the plain distance: the image moves by −2(δ·x − δω)v − 2(v·x − ω)δ
-    swing = [_dot(probes.x, basis[:, 0]), _dot(probes.x, basis[:, 1]), -jnp.ones_like(m.height)]
-    across, off = _dot(m.offset, v), [_dot(m.offset, basis[:, k]) for k in range(2)]
+    swing = [_dot(probes.x, basis[None, :, 0]), _dot(probes.x, basis[None, :, 1]), -jnp.ones_like(m.height)]
+    across, off = _dot(m.offset, v[None, :]), [_dot(m.offset, basis[None, :, k]) for k in range(2)]
     lever = [m.height * off[0], m.height * off[1], jnp.zeros_like(m.height)]
 
     def entry(i: int, j: int) -> Float[Array, ""]:

@@ -14,9 +14,9 @@ from symjax.robust.patches import Patches
 from symjax.robust.surface import Surface
 
 EXACT, EXACT_PER_NOISE, EXACT_LEAST = 0.5, 0.35, 0.4
-"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as its
-own points do, that is no chance. The noisier the surface, the more chance there is: EXACT, and EXACT_PER_NOISE times the
-surface's own scatter in its tolerances."""
+"""Exactness from which on a score above EXACT_LEAST is enough: where mirror images lie on the surface as closely as
+its own points do, that is no chance. The noisier the surface, the more chance there is: EXACT, and EXACT_PER_NOISE
+times the surface's own scatter in its tolerances."""
 
 LEAST, PER_BACKGROUND, MOST = 0.36, 0.63, 0.8
 """Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
