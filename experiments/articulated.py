@@ -60,7 +60,7 @@ def run(config: Config) -> list[Row]:
     rows = []
     for bend in config.bends:
         points = posed(config, bend)
-        found = symjax.detect(points, rng=0)
+        found = symjax.detect(points, method="sym-hks", rng=0)
         rows.append(
             {
                 "bend": bend,
@@ -84,7 +84,7 @@ def _share(found: Detection, points: Float[np.ndarray, "n 3"], *, above: bool) -
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Symjax's own picture of the figure with the leg swung furthest."""
-    symjax.detect(posed(config, config.drawn), rng=0).picture(path)
+    symjax.detect(posed(config, config.drawn), method="sym-hks", rng=0).picture(path)
 
 
 def main(argv: Sequence[str] | None = None) -> None:

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +12,9 @@ from jaxtyping import Float
 from experiments.report import PROJECT
 from symjax import samples
 from symjax.files.pointfile import read_points
+from symjax.finding import Axis
 from symjax.plane import Plane
+from symjax.samples.sample import Symmetry
 
 MODELS = PROJECT.parent / "shared" / "data"
 """Where the real models are looked for: a folder with `planes.json` and the files that it names."""
@@ -30,6 +32,8 @@ class Case(NamedTuple):
         points: the cloud in a random pose.
         planes: the right planes, in the same pose.
         diagonal: of the object's bounding box before it was turned.
+        seed: number of the case among those of its name.
+        axis: point and direction, in the same pose, of a generated solid of revolution.
     """
 
     name: str
@@ -37,23 +41,30 @@ class Case(NamedTuple):
     points: Float[np.ndarray, "n 3"]
     planes: tuple[Plane, ...]
     diagonal: float
+    seed: int = 0
+    axis: Axis | None = None
 
 
-def generated(num_points: int, seeds: int) -> Iterator[Case]:
-    """Every generated kind, `seeds` objects of each."""
-    for kind, about in samples.KINDS.items():
+def kinds_of(symmetry: Symmetry, most: int) -> list[str]:
+    """The first generated kinds of a symmetry."""
+    return [kind for kind, about in samples.KINDS.items() if about.symmetry == symmetry][:most]
+
+
+def generated(num_points: int, seeds: int, kinds: Iterable[str] = tuple(samples.KINDS)) -> Iterator[Case]:
+    """Some generated kinds, by default all, `seeds` objects of each."""
+    for kind in kinds:
         for seed in range(seeds):
-            rng = np.random.default_rng([seed, *kind.encode()])
-            whole = samples.generate(kind, num_points=num_points, rng=rng)
-            diagonal = float(np.linalg.norm(np.ptp(whole.points, axis=0)))
-            posed = samples.pose(whole, rng)
-            group = "generated" if about.symmetry == "single" else f"generated, {about.symmetry}"
-            planes = tuple(Plane(n, np.asarray(w)) for n, w in zip(posed.normals, posed.offsets, strict=True))
-            yield Case(kind, group, posed.points, planes, diagonal * _stretch(whole.points, posed.points))
+            yield made(kind, num_points, seed)
 
 
-def _stretch(before: Float[np.ndarray, "n 3"], after: Float[np.ndarray, "n 3"]) -> float:
-    return float(np.linalg.norm(after[0] - after[-1]) / np.linalg.norm(before[0] - before[-1]))
+def made(kind: str, num_points: int, seed: int) -> Case:
+    """An object of a kind in a random pose."""
+    rng = np.random.default_rng([seed, *kind.encode()])
+    whole = samples.generate(kind, num_points=num_points, rng=rng)
+    posed = samples.pose(whole, rng)
+    group = "generated" if whole.symmetry == "single" else f"generated, {whole.symmetry}"
+    planes = tuple(Plane(n, np.asarray(w)) for n, w in zip(posed.normals, posed.offsets, strict=True))
+    return Case(kind, group, posed.points, planes, whole.diagonal, seed, posed.axis)
 
 
 def real(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
@@ -67,16 +78,17 @@ def real(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
             continue
         dense = read_points(folder / entry["file"], num_samples=DENSE, rng=7).points
         for seed in range(seeds):
-            yield _posed(name, entry, dense, num_points, np.random.default_rng([seed, *name.encode()]))
+            yield _posed(name, entry, dense, num_points, seed)
 
 
-def _posed(name: str, entry: dict, dense: Float[np.ndarray, "n 3"], num_points: int, rng: np.random.Generator) -> Case:
+def _posed(name: str, entry: dict, dense: Float[np.ndarray, "n 3"], num_points: int, seed: int) -> Case:
+    rng = np.random.default_rng([seed, *name.encode()])
     diagonal = float(np.linalg.norm(np.ptp(dense, axis=0)))
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     shift = rng.normal(size=3) * diagonal
     points = dense[rng.permutation(len(dense))[:num_points]] @ turn.T + shift
     if entry["normal"] is None:
-        return Case(name, entry["kind"].split(":")[0], points, (), diagonal)
+        return Case(name, entry["kind"].split(":")[0], points, (), diagonal, seed)
     normal = turn @ np.asarray(entry["normal"])
     plane = Plane(normal, np.asarray(entry["offset"] + normal @ shift))
-    return Case(name, entry["kind"].split(":")[0].split(";")[0], points, (plane,), diagonal)
+    return Case(name, entry["kind"].split(":")[0].split(";")[0], points, (plane,), diagonal, seed)
