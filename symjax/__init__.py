@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from symjax.objective import l2e_loss
     from symjax.pipeline import detect
     from symjax.plane import Plane
+    from symjax.symhks.correspondences import SymHKS
 
 __version__ = "0.1.0"
 
@@ -24,6 +25,7 @@ _HOME = {
     "Detection": "symjax.detection",
     "Fit": "symjax.fit",
     "Plane": "symjax.plane",
+    "SymHKS": "symjax.symhks.correspondences",
     "best": "symjax.fit",
     "detect": "symjax.pipeline",
     "fit_plane": "symjax.fit",
@@ -38,6 +40,7 @@ __all__ = [
     "Detection",
     "Fit",
     "Plane",
+    "SymHKS",
     "SymjaxError",
     "SymjaxWarning",
     "best",

@@ -35,6 +35,12 @@ SHARED = 3.0
 directions of a pair have points in common, so that they are no independent evidence."""
 
 
+INFLATION = 1.4
+"""Variance over what the sandwich gives: it is made for fixed pairs, and partners change as the plane moves.
+`experiments.coverage` measures what is left to choose: 87 % of its 95 % regions held the true plane without, 94 %
+with it."""
+
+
 class Residuals(NamedTuple):
     """Mirror images and the patches that they should lie on.
 
@@ -95,18 +101,10 @@ def _solve(z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals) -> tu
 
 
 @jax.jit
-def _sandwich_parts(
-    z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals
-) -> tuple[Float[Array, "3 3"], Float[Array, "m 3"]]:
-    """Hessian of the summed criterion in the tangent chart, and every residual's share of its gradient."""
+def _slopes(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m 3"]:
+    """Derivative of every height in the tangent chart at z."""
     basis = SPHERE_LINE.basis(z)
-
-    def terms(t: Float[Array, "3"]) -> Float[Array, "m"]:
-        r = heights(SPHERE_LINE.retract(z, basis @ t), data)
-        return -data.weight * jnp.exp(-0.5 * (r / sigma) ** 2)
-
-    origin = jnp.zeros(3, z.dtype)
-    return jax.hessian(lambda t: jnp.sum(terms(t)))(origin), jax.jacfwd(terms)(origin)
+    return jax.jacfwd(lambda t: heights(SPHERE_LINE.retract(z, basis @ t), data))(jnp.zeros(3, z.dtype))
 
 
 def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
@@ -125,12 +123,19 @@ def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
             solution, residual = _solve(jnp.asarray(z), jnp.asarray(sigma), data)
             z, residual = np.asarray(solution.point), np.asarray(residual)[: len(weight)]
             last, sigma = sigma, min(sigma, _scale(residual, weight, sigma))
-        hessian, slopes = (np.asarray(part) for part in _sandwich_parts(jnp.asarray(z), jnp.asarray(last), data))
+        flat = data._replace(coefficients=jnp.zeros_like(data.coefficients))
+        slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), patch))[: len(weight)] for patch in (data, flat))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
     at = Plane(z[:3], z[3])
     cell = SHARED * float(np.median(around.reach))
-    covariance = _clustered(hessian, slopes[: len(weight)], _clusters(at, surface.points, cell))
-    return Polished(at, covariance, basis[:3, :2].T, last, solution)
+    kernel = weight * np.exp(-0.5 * (residual / last) ** 2)
+    covariance = clustered_covariance(
+        (kernel * residual)[:, None] * slopes,
+        # a patch's slope is noisy, and changes as the plane moves on to other partners: the normal's is the mean
+        (kernel * (1 - (residual / last) ** 2))[:, None, None] * mean_slopes[:, :, None] * mean_slopes[:, None],
+        _clusters(at, surface.points, cell),
+    )
+    return Polished(at, INFLATION * covariance, basis[:3, :2].T, last, solution)
 
 
 def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tuple[Residuals, Float[np.ndarray, "n"]]:
@@ -171,11 +176,23 @@ def _clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> In
     return np.unique(np.floor(folded / cell).astype(int), axis=0, return_inverse=True)[1].ravel()
 
 
-def _clustered(
-    hessian: Float[np.ndarray, "3 3"], slopes: Float[np.ndarray, "n 3"], cluster: Int[np.ndarray, "n"]
+def clustered_covariance(
+    gradients: Float[np.ndarray, "n 3"], hessians: Float[np.ndarray, "n 3 3"], cluster: Int[np.ndarray, "n"]
 ) -> Float[np.ndarray, "3 3"]:
-    """The sandwich (Godambe) covariance H⁻¹ Σ g gᵀ H⁻¹, the gradients summed over clusters."""
-    sums = np.stack([np.bincount(cluster, slopes[:, k]) for k in range(3)], axis=1)
-    used = np.count_nonzero((sums != 0).any(axis=1))
-    inverse = np.linalg.pinv(hessian)
-    return inverse @ (sums.T @ sums) @ inverse * used / max(used - 3, 1)
+    """Sandwich covariance of an M-estimate by the jackknife over clusters (CR3), one Newton step for each left out.
+
+    With few clusters of unequal weight the plain sandwich H⁻¹ Σ g gᵀ H⁻¹ is too small.
+    MacKinnon, Nielsen, Webb, "Cluster-robust inference: a guide to empirical practice", J. Econometrics 232 (2023).
+
+    Args:
+        gradients: every residual's share of the criterion's gradient.
+        hessians: every residual's share of its expected Hessian.
+        cluster: label of every residual.
+    """
+    count = int(cluster.max()) + 1
+    gradient = np.stack([np.bincount(cluster, column, count) for column in gradients.T], axis=1)
+    entries = [np.bincount(cluster, entry, count) for entry in hessians.reshape(-1, 9).T]
+    hessian = np.stack(entries, axis=1).reshape(-1, 3, 3)
+    used = (gradient != 0).any(axis=1)
+    step = np.matmul(np.linalg.pinv(hessian.sum(axis=0) - hessian[used]), gradient[used][:, :, None])[:, :, 0]
+    return step.T @ step * (1 - 1 / max(len(step), 2))
