@@ -32,27 +32,37 @@ jax.config.update("jax_enable_x64", True)
 # %% [markdown]
 # ## A scan, and its plane
 #
-# A generated animal in a random pose, a fifth of it missing. Its true plane is known.
+# A generated animal in a random pose, a fifth of it missing, and a stray point for every two. Its true plane is known.
 
 # %%
 rng = np.random.default_rng(1)
 animal = samples.pose(samples.generate("quadruped", num_points=4000, rng=rng), rng)
-scan = samples.corrupt(animal.points, rng, missing=0.2, noise=0.002).points
+scan = samples.corrupt(animal.points, rng, missing=0.2, noise=0.002, outliers=0.5).points
 
 detection = symjax.detect(scan)
 truth = symjax.Plane(animal.normals[0], animal.offsets[0])
 print("normal", detection.plane.normal, "offset", detection.plane.offset)
 print(f"found {detection.found}: score {detection.score:.3f}, threshold {detection.threshold:.3f}")
-print(f"{float(detection.plane.angle(truth)):.2f} degrees from the true plane")
+print(f"{float(detection.plane.angle(truth)):.2f} degrees from the true plane,")
+print(f"standard error {detection.uncertainty.normal_degrees:.2f} degrees")
 
 # %% [markdown]
-# The pairs are the evidence. Those that agree with the plane have a weight near 1.
+# The pairs are the evidence: points whose mirror images lie on the surface have a weight near 1, those whose partners
+# are missing a weight near 0.
 
 # %%
 fig, ax = plt.subplots(figsize=(6, 2.5))
 ax.hist(detection.pairs.weight, bins=20)
-ax.set(xlabel="L2E weight of a pair", ylabel="pairs")
+ax.set(xlabel="weight of a pair", ylabel="pairs")
 plt.show()
+
+# %% [markdown]
+# Not every object has one plane. The answer says what it has.
+
+# %%
+for kind in ("block", "drum", "tree"):
+    answer = symjax.detect(samples.generate(kind, num_points=3000, rng=0).points)
+    print(f"{kind:6s} {answer.symmetry}, ambiguous {answer.ambiguous}, score {answer.score:.2f}")
 
 # %%
 figure = detection.plot()

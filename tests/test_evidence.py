@@ -1,11 +1,11 @@
-"""What speaks for a plane: nearly everything for the true one of twins, little for a wrong one, nothing for one far off."""
+"""What speaks for a plane: nearly all for the true one of twins, little for a wrong one, nothing for one far off."""
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from symjax.plane import Plane
-from symjax.robust.evidence import Evidence, evidence, exactness
+from symjax.robust.evidence import SLACK, TOLERANCES, Evidence, evidence, exactness
 from symjax.robust.lattice import blame_at, lattice
 from symjax.robust.patches import patches
 from symjax.robust.surface import surface
@@ -88,6 +88,25 @@ def test_the_partner_is_the_nearest_neighbour_of_the_mirror_image(random_sample)
     assert found.share.min() >= 0
     assert found.share.max() <= 1
     assert (found.counts <= around.trust + 1e-12).all()
+
+
+def test_the_share_falls_with_height_distance_and_turn_of_the_normal(rng):
+    # a flat sheet at x = 1 and a few probes at x < 0, whose images are lifted, shifted and tilted by known amounts
+    sheet = np.c_[np.ones(400), rng.uniform(-1, 1, size=(400, 2))]
+    lift, tilt = np.array([0.0, 0.02, 0.0, 0.0]), np.radians([0, 0, 40, 0])
+    beside = np.array([0.0, 0.0, 0.0, 1.0])
+    probes = np.stack([-1 - lift, np.array([0.0, 0.1, -0.2, 0.9]) + beside, np.zeros(4)], axis=1)
+    normals = np.r_[np.tile([[1.0, 0.0, 0.0]], (400, 1)), np.stack([np.cos(tilt), np.sin(tilt), 0 * tilt], axis=1)]
+    around = surface(np.vstack([sheet, probes]), normals=normals)
+    found = evidence(TRUE, around, lattice(around, None), np.arange(400, 404))
+    image = probes * [-1, 1, 1]
+    off = image - around.points[found.partner]
+    along = np.linalg.norm(off[:, 1:], axis=1)
+    expected = np.exp(-0.5 * (off[:, 0] / (TOLERANCES * around.tolerance)) ** 2)
+    expected *= np.exp(-0.5 * np.maximum(along / around.spacing - SLACK, 0) ** 2) * np.cos(tilt) ** 2
+    np.testing.assert_allclose(found.share, expected, rtol=1e-6, atol=1e-9)
+    assert found.share[0] > 0.99
+    assert (found.share[1:] < 0.97).all()
 
 
 def test_points_on_the_plane_count_nothing(random_sample):

@@ -50,6 +50,22 @@ def test_a_point_of_the_surface_finds_itself_or_one_in_its_cell(around, cells):
     assert np.linalg.norm(theirs - around.points, axis=1).max() <= np.sqrt(3) * cells.cell
 
 
+def test_of_several_points_in_a_cell_the_nearest_to_its_middle_stays(rng):
+    points = generate("quadruped", num_points=200, rng=0).points
+    extra = points[::10] + 1e-3 * rng.normal(size=(20, 3))
+    around = surface(np.vstack([points, extra]))
+    cells = lattice(around, None)
+    at = np.floor((around.points - cells.origin) / cells.cell).astype(int)
+    middle = cells.origin + cells.cell * (at + 0.5)
+    keys = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
+    shared = [key for key in np.unique(keys) if np.count_nonzero(keys == key) > 1]
+    assert len(shared) > 5
+    for key in shared:
+        rows = np.flatnonzero(keys == key)
+        best = rows[np.argmin(np.linalg.norm(around.points[rows] - middle[rows], axis=1))]
+        np.testing.assert_allclose(cells.point[key], around.points[best], atol=1e-6)
+
+
 def test_every_cells_normal_is_its_points(around, cells):
     row = cKDTree(around.points.astype(np.float32)).query(cells.point[::97])[1]
     np.testing.assert_array_equal(cells.normal[::97], around.normals[row].astype(np.float32))

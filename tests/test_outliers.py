@@ -1,4 +1,4 @@
-"""Outliers strewn over space are dropped, and a surface, whole, cut or noisy, loses nothing."""
+"""Outliers strewn over space are dropped, and a surface, whole, cut, seen from one side or noisy, loses nothing."""
 
 from functools import cache
 
@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from symjax.cloud import DENSITY_POINTS, prepare
 from symjax.outliers import otsu_threshold, scattered
-from symjax.samples import add_noise, add_outliers, generate, pose, remove_part
+from symjax.samples import add_noise, add_outliers, generate, pose, remove_part, scan
 from symjax.samples.sample import random_orthogonal
 
 KINDS = ["chair", "quadruped", "human", "aeroplane", "tree", "table", "spectacles", "ring", "ball"]
@@ -49,10 +50,12 @@ def test_otsus_threshold_lies_between_two_heaps_and_moves_with_the_values(rng):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_nothing_is_taken_from_a_surface_whole_cut_or_noisy(kind):
+def test_nothing_is_taken_from_a_surface_whole_cut_seen_from_one_side_or_noisy(kind):
     points = object_of(kind)
     assert not scattered(points).any()
     assert not scattered(remove_part(points, 0.28, 2)[0]).any()
+    for seed in (2, 3):
+        assert scattered(scan(points, seed)[0]).mean() < 0.01
     for level in (0.005, 0.01):
         assert scattered(add_noise(points, level, 3)).mean() < 0.01
 
@@ -141,3 +144,10 @@ def test_flat_clouds_grids_lines_and_doubled_points_lose_nothing(rng):
     assert scattered(flat).mean() < 0.02
     ball = object_of("ball")
     assert not scattered(np.vstack([ball, ball])).any()
+
+
+@pytest.mark.xfail(reason="points beyond DENSITY_POINTS are left out without a word, whatever max_points allows")
+def test_what_is_left_out_is_said(rng):
+    ball = rng.normal(size=(DENSITY_POINTS + 2_000, 3))
+    cloud = prepare(ball / np.linalg.norm(ball, axis=1, keepdims=True), max_points=40_000, drop_scattered=True)
+    assert len(cloud.points) == len(ball) or cloud.notes

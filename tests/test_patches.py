@@ -59,7 +59,7 @@ def test_axes_are_a_frame_whose_third_is_the_normal(rng):
 
 
 def error_between_points(rng, count):
-    """Median height of other points of a surface above the patches of their nearest neighbours, away from its border."""
+    """Median height of other points of a surface above their nearest neighbours' patches, away from its border."""
     xy = rng.uniform(-1, 1, size=(count, 2))
     found = surface(np.c_[xy, waves(*xy.T)])
     fresh = rng.uniform(-0.7, 0.7, size=(2_000, 2))

@@ -7,7 +7,7 @@ import pytest
 from symjax.plane import Plane
 from symjax.robust import patches as quadrics
 from symjax.robust.patches import patches
-from symjax.robust.polish import SIGMA_FACTOR, Residuals, _clustered, _clusters, heights, polish
+from symjax.robust.polish import SIGMA_FACTOR, Residuals, _clusters, clustered_covariance, heights, polish
 from symjax.robust.surface import surface
 from symjax.samples import add_noise, build, generate
 from symjax.samples.surface import sample_surface
@@ -40,7 +40,7 @@ def some_residuals(around, rng, count=50):
     return Residuals(found.points[rows], *(leaf[partner] for leaf in local[:3]), weight), partner
 
 
-@pytest.mark.parametrize("kind", ["quadruped", "human", "teapot", "fish", "head", "block", "chair"])
+@pytest.mark.parametrize("kind", ["quadruped", "human", "fish", "head", "block", "chair"])
 def test_a_plane_that_is_1_degree_off_returns_to_the_truth(kind):
     around = around_of(generate(kind, num_points=2_000, rng=0).points)
     for direction, shift in ((0.5, 0.005), (3.0, -0.005)):
@@ -48,6 +48,24 @@ def test_a_plane_that_is_1_degree_off_returns_to_the_truth(kind):
         assert found.plane.angle(TRUE) < 0.05
         assert abs(found.plane.offset) < 2e-4
         assert np.linalg.norm(found.plane.normal) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("kind", ["mug", "jug", "car"])
+def test_what_a_nearly_round_or_boxy_body_leaves_open_its_standard_error_says(kind):
+    found = polish(turned(1.0, 0.5, 0.005), *around_of(generate(kind, num_points=2_000, rng=0).points))
+    claimed = np.degrees(np.sqrt(np.trace(found.covariance[:2, :2])))
+    assert claimed > 0.03
+    assert found.plane.angle(TRUE) < 3 * claimed
+
+
+@pytest.mark.xfail(reason="σ shrinks to the residuals of the round or flat parts, which hold any plane through an axis")
+@pytest.mark.parametrize("kind", ["teapot", "chair"])
+def test_clean_round_or_flat_parts_do_not_make_the_standard_error_too_small(kind):
+    around = around_of(generate(kind, num_points=2_000, rng=0).points)
+    for direction, shift in ((0.5, 0.005), (3.0, -0.005)):
+        found = polish(turned(1.0, direction, shift), *around)
+        claimed = np.degrees(np.sqrt(np.trace(found.covariance[:2, :2])))
+        assert found.plane.angle(TRUE) < 5 * claimed
 
 
 def test_noise_costs_digits_and_no_more():
@@ -101,7 +119,7 @@ def test_the_covariance_is_symmetric_and_positive(animal):
 @pytest.mark.parametrize("kind", ["quadruped", "human", "chair"])
 def test_standard_errors_are_the_scatter_over_new_samples(kind):
     solid = build(kind, 0)
-    turns, shifts, claimed = [], [], []
+    turns, shifts, claimed, distance = [], [], [], []
     for seed in range(25):
         rng = np.random.default_rng(seed)
         points = sample_surface(solid.field, 1_500, rng)
@@ -110,44 +128,63 @@ def test_standard_errors_are_the_scatter_over_new_samples(kind):
         turns.append(np.radians(found.plane.angle(TRUE)))
         shifts.append(found.plane.offset)
         claimed.append([np.trace(found.covariance[:2, :2]), found.covariance[2, 2]])
+        step = np.append(found.tangents @ TRUE.normal, -found.plane.offset)
+        distance.append(step @ np.linalg.solve(found.covariance, step))
     normal, offset = np.sqrt(np.mean(claimed, axis=0))
     assert 0.5 < np.sqrt(np.mean(np.square(turns))) / normal < 2
     assert 0.5 < np.sqrt(np.mean(np.square(shifts))) / offset < 2
+    # χ² of three degrees: 3 on the mean, 7.8 with probability 0.95
+    assert 1 < np.mean(distance) < 6
+    assert np.mean(np.array(distance) < 7.815) > 0.8
+
+
+def covariance_of(rows, residual, cluster):
+    """Of plain least squares, whose gradients and Hessians are these."""
+    return clustered_covariance(residual[:, None] * rows, rows[:, :, None] * rows[:, None], cluster)
 
 
 def least_squares(rng, count):
-    """Rows, residuals at the optimum and the Hessian of a linear fit with three coefficients."""
+    """Rows of a linear fit with three coefficients, its right-hand side, and the residuals at the optimum."""
     rows = rng.normal(size=(count, 3)) * [1.0, 2.0, 0.5]
-    noise = rng.normal(size=count) * rng.uniform(0.1, 1.0, count)
-    residual = noise - rows @ np.linalg.lstsq(rows, noise, rcond=None)[0]
-    return rows, residual, rows.T @ rows
+    values = rng.normal(size=count) * rng.uniform(0.1, 1.0, count)
+    return rows, values, values - rows @ np.linalg.lstsq(rows, values, rcond=None)[0]
 
 
-def test_singleton_clusters_give_whites_textbook_sandwich(rng):
-    rows, residual, hessian = least_squares(rng, 200)
-    inverse = np.linalg.inv(hessian)
-    textbook = inverse @ (rows.T * residual**2) @ rows @ inverse * 200 / (200 - 3)
-    found = _clustered(hessian, residual[:, None] * rows, np.arange(200))
+def test_singleton_clusters_of_plain_least_squares_give_the_textbook_sandwich(rng):
+    rows, _, residual = least_squares(rng, 200)
+    inverse = np.linalg.inv(rows.T @ rows)
+    leverage = ((rows @ inverse) * rows).sum(axis=1)
+    # HC3 of MacKinnon and White (1985)
+    textbook = inverse @ (rows.T * (residual / (1 - leverage)) ** 2) @ rows @ inverse * (1 - 1 / 200)
+    found = covariance_of(rows, residual, np.arange(200))
     np.testing.assert_allclose(found, textbook, rtol=1e-9)
 
 
-def test_the_sandwich_is_the_usual_covariance_where_all_noise_is_alike(rng):
+def test_clusters_are_left_out_one_by_one(rng):
+    rows, values, residual = least_squares(rng, 120)
+    cluster = rng.integers(10, size=120)
+    whole = np.linalg.lstsq(rows, values, rcond=None)[0]
+    without = [np.linalg.lstsq(rows[cluster != c], values[cluster != c], rcond=None)[0] - whole for c in range(10)]
+    jackknife = np.einsum("ci,cj->ij", without, without) * (1 - 1 / 10)
+    np.testing.assert_allclose(covariance_of(rows, residual, cluster), jackknife, rtol=1e-9)
+
+
+def test_the_covariance_is_the_usual_one_where_all_noise_is_alike(rng):
     rows = rng.normal(size=(20_000, 3)) * [1.0, 2.0, 0.5]
     noise = 0.3 * rng.normal(size=20_000)
-    found = _clustered(rows.T @ rows, noise[:, None] * rows, np.arange(20_000))
+    found = covariance_of(rows, noise, np.arange(20_000))
     usual = 0.3**2 * np.linalg.inv(rows.T @ rows)
     np.testing.assert_allclose(found, usual, atol=0.05 * np.abs(usual).max())
 
 
 def test_the_same_evidence_twice_is_no_more_evidence(rng):
-    rows, residual, hessian = least_squares(rng, 200)
-    slopes = residual[:, None] * rows
-    once = _clustered(hessian, slopes, np.arange(200))
-    twice = _clustered(2 * hessian, np.repeat(slopes, 2, axis=0), np.repeat(np.arange(200), 2))
-    apart = _clustered(2 * hessian, np.repeat(slopes, 2, axis=0), np.arange(400))
-    np.testing.assert_allclose(twice, once, rtol=1e-9)
+    rows, _, residual = least_squares(rng, 200)
+    twice = np.repeat(rows, 2, axis=0), np.repeat(residual, 2)
+    once = covariance_of(rows, residual, np.arange(200))
+    together = covariance_of(*twice, np.repeat(np.arange(200), 2))
+    np.testing.assert_allclose(together, once, rtol=1e-9)
     # held for independent, it would seem half as uncertain
-    np.testing.assert_allclose(np.trace(apart), np.trace(once) / 2, rtol=0.02)
+    np.testing.assert_allclose(np.trace(covariance_of(*twice, np.arange(400))), np.trace(once) / 2, rtol=0.05)
 
 
 def test_a_point_and_its_mirror_image_share_a_cluster(rng):

@@ -128,7 +128,9 @@ def test_a_batch_is_what_its_planes_are_one_by_one(scene, count):
     cells, probes, *_ = scene
     planes = random_planes(count)
     alone = [one_step(Planes(*(a[i : i + 1] for a in planes)), probes, cells) for i in range(0, count, 7)]
-    scores = [agreement(Planes(*(a[i : i + 1] for a in planes)), np.float32(SIGMA), probes, cells) for i in (0, -1 % count)]
+    scores = [
+        agreement(Planes(*(a[i : i + 1] for a in planes)), np.float32(SIGMA), probes, cells) for i in (0, -1 % count)
+    ]
     for order in (np.arange(count), np.arange(count)[::-1]):
         batch = Planes(*(a[order] for a in planes))
         v, omega = (a[order] for a in one_step(batch, probes, cells))

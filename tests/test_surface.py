@@ -112,6 +112,15 @@ def test_strays_are_not_trusted_and_the_surface_is(rng):
     assert trust.max() <= 1
 
 
+def test_strays_hardly_turn_the_normals_beside_them(rng):
+    points, stray = on_sphere(rng, 2_000), on_sphere(rng, 400)
+    stray *= 1 + rng.uniform(0.03, 0.3, size=(400, 1))
+    found = surface(np.vstack([points, stray]))
+    off = degrees(found.normals[:2_000], points)
+    assert np.median(off) < 2
+    assert np.quantile(off, 0.9) < 5
+
+
 def test_given_normals_are_used_whatever_their_length_and_orientation(rng):
     points = on_sphere(rng, 1_000)
     wrong = on_sphere(rng, 1_000)

@@ -60,6 +60,12 @@ def test_a_whole_object_has_no_viewpoint(kind):
     assert viewpoint_of(object_of(kind)) is None
 
 
+@pytest.mark.xfail(reason="thin legs and open frames hide little: more than ONE_SIDED of a whole object is visible")
+@pytest.mark.parametrize("kind", ["chair", "table"])
+def test_a_whole_object_of_thin_parts_has_no_viewpoint(kind):
+    assert viewpoint_of(object_of(kind)) is None
+
+
 @pytest.mark.parametrize("kind", ["quadruped", "teapot", "ball", "car"])
 def test_an_object_with_a_part_cut_off_has_none_either(kind):
     assert viewpoint_of(remove_part(object_of(kind), 0.28, 3)[0]) is None
