@@ -11,16 +11,11 @@ from symjax.errors import (
     DegenerateCloudError,
     DuplicatePointsWarning,
     InvalidArgumentError,
-    InvalidPointsError,
-    NonfiniteError,
     PrecisionWarning,
-    TooFewPointsError,
 )
 from symjax.floor import floor_rows
 from symjax.outliers import scattered
-
-MIN_POINTS = 50
-"""Fewer points carry no spectrum worth the name; pairs alone can still be fitted."""
+from symjax.points import MIN_POINTS, as_points, finite_rows, require
 
 MAX_POINTS = 10_000
 """More points than this are thinned: the answer's accuracy is the keypoints', which does not grow with them."""
@@ -97,8 +92,8 @@ def prepare(
         raise InvalidArgumentError(f"max_points must be at least {MIN_POINTS}, not {max_points}")
     given = as_points(points)
     notes: list[str] = []
-    index = _finite_rows(given, nonfinite, notes)
-    _require(len(index), "points")
+    index = finite_rows(given, nonfinite, notes)
+    require(len(index), "points")
     posed = _posed(given[index])
     _warn_of_precision(points, posed)
     rows = np.argsort(posed.points[:, 0], kind="stable")
@@ -114,7 +109,7 @@ def prepare(
             rows = _without(rows, floor.rows, "lie on the floor and were left out", notes)
         cleaned = len(rows) < num_looked_at
         index = index[rows]
-        _require(len(index), "points that are neither outliers nor floor")
+        require(len(index), "points that are neither outliers nor floor")
         posed = _posed(given[index])
         rows = np.argsort(posed.points[:, 0], kind="stable")
     if posed.flat:
@@ -124,7 +119,7 @@ def prepare(
         notes.append(f"thinned from {len(given)} to {len(rows)} points on a grid")
     if not (drop_scattered or drop_floor):
         rows = rows[_merge(posed.points[rows], notes)]
-    _require(len(rows), "distinct points")
+    require(len(rows), "distinct points")
     return Cloud(
         posed.points[rows],
         index[rows],
@@ -188,53 +183,6 @@ def _evenly(count: int, most: int) -> Int[np.ndarray, "m"]:
     if count <= most:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
-
-
-def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
-    """The points as an (n, 3) float64 array.
-
-    Raises:
-        InvalidPointsError: ragged, of another type than real numbers, or of another shape.
-    """
-    try:
-        array = np.asarray(points)
-    except ValueError as error:
-        raise InvalidPointsError("points must be an (n, 3) array; these rows differ in length") from error
-    if array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"points must be real numbers, not {array.dtype}: convert them to float first")
-    if array.size == 0:
-        raise TooFewPointsError(f"points is empty (shape {array.shape}); at least {MIN_POINTS} are needed")
-    if array.ndim != 2 or array.shape[1] != 3:
-        hint = ""
-        if array.ndim == 2 and array.shape[0] == 3:
-            hint = ": transpose it (points.T)"
-        elif array.ndim == 2 and array.shape[1] > 3:
-            hint = ": pass the coordinates only (points[:, :3])"
-        elif array.ndim == 2 and array.shape[1] == 2:
-            hint = ": two coordinates are no 3D cloud; add a third column"
-        raise InvalidPointsError(f"points must have shape (n, 3), not {array.shape}{hint}")
-    return array.astype(float)
-
-
-def _require(count: int, what: str) -> None:
-    if count < MIN_POINTS:
-        raise TooFewPointsError(
-            f"{count} {what} are too few: at least {MIN_POINTS} are needed. "
-            "If you know which points mirror each other, fit the pairs with symjax.fit_plane(x, y, sigma)"
-        )
-
-
-def _finite_rows(points: Float[np.ndarray, "n 3"], nonfinite: str, notes: list[str]) -> Int[np.ndarray, "m"]:
-    finite = np.isfinite(points).all(axis=1)
-    bad = int(len(points) - np.count_nonzero(finite))
-    if bad and nonfinite == "raise":
-        raise NonfiniteError(
-            f"{bad} of {len(points)} points are NaN or infinite, the first at index {int(np.argmin(finite))}: "
-            "remove them, or pass nonfinite='drop'"
-        )
-    if bad:
-        notes.append(f"{bad} of {len(points)} points were NaN or infinite and were dropped")
-    return np.flatnonzero(finite)
 
 
 def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:

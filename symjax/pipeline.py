@@ -7,12 +7,13 @@ from typing import Literal
 import numpy as np
 from jaxtyping import ArrayLike, Float
 
-from symjax.cloud import MAX_POINTS, Cloud, as_points, prepare
+from symjax.cloud import MAX_POINTS, Cloud, prepare
 from symjax.detection import Detection, Pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError
 from symjax.files.pointfile import read_points
 from symjax.finding import Finding
 from symjax.plane import Plane
+from symjax.points import as_points
 from symjax.robust import method as robust
 from symjax.stages import Stages
 from symjax.symhks import method as symhks

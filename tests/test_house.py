@@ -13,7 +13,7 @@ ROOT = Path(symjax.__file__).parent
 
 # where no JAX is; the estimator; and what stands on both
 WITHOUT_JAX = (
-    *("cloud", "outliers", "floor", "frames", "stages", "finding", "uncertainty", "asymmetry"),
+    *("points", "cloud", "outliers", "floor", "frames", "stages", "finding", "uncertainty", "asymmetry"),
     *("robust.surface", "robust.viewpoint", "robust.lattice", "robust.hypotheses", "robust.evidence", "robust.patches"),
     *("symhks.spectrum", "symhks.signatures", "symhks.keypoints", "symhks.matching", "symhks.correspondences"),
 )
