@@ -52,6 +52,7 @@ class Detection:
         ambiguous: whether other candidates are as good: several mirror planes, or all planes through an axis.
         symmetry: "none", "one plane", "several planes", "axis" or "sphere".
         axis: point and direction of the axis of a continuous symmetry, or None.
+        planes: the mirror planes, the best first: none, one, or several; of a continuous symmetry, some of them.
         score: how well the cloud agrees with the plane, 0 to 1. By `robust`, support over support and blame of the
             mirrored points; by `sym-hks`, mean L2E weight of the pairs.
         threshold: what the score must exceed, from what other planes reach on the same cloud.
@@ -80,6 +81,7 @@ class Detection:
     ambiguous: bool
     symmetry: Symmetry
     axis: Axis | None
+    planes: tuple[Plane, ...]
     score: float
     threshold: float
     candidates: tuple[Candidate, ...]
@@ -214,6 +216,7 @@ def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None
         return Detection(
             plane=_plane(values.pop("plane")),
             axis=_arrays(values.pop("axis")),
+            planes=tuple(_plane(plane) for plane in values.pop("planes")),
             candidates=tuple(
                 Candidate(_plane(c["plane"]), float(c["score"]), c["exactness"]) for c in values.pop("candidates")
             ),

@@ -44,6 +44,7 @@ class Finding(NamedTuple):
         symmetry: what the planes that exceed it make up.
         ambiguous: whether others are as good as the first.
         axis: point and direction of the axis of a continuous symmetry.
+        planes: the mirror planes among the candidates, the best first; of a continuous symmetry, some of them.
         rows: rows of the two points of every pair in the cloud.
         weight: how well each pair agrees with the first plane, 0 to 1.
         inlier_fraction: share of the pairs that agree with it.
@@ -59,6 +60,7 @@ class Finding(NamedTuple):
     symmetry: Symmetry
     ambiguous: bool
     axis: Axis | None
+    planes: tuple[Plane, ...]
     rows: Int[np.ndarray, "m 2"]
     weight: Float[np.ndarray, "m"]
     inlier_fraction: float

@@ -152,6 +152,7 @@ def _detection(
         ambiguous=finding.ambiguous,
         symmetry=finding.symmetry,
         axis=None if axis is None else (_place(axis[0], cloud), cloud.frame @ axis[1]),
+        planes=tuple(_in_given_units(plane, cloud) for plane in finding.planes),
         score=best.score,
         threshold=finding.threshold,
         candidates=candidates,

@@ -26,13 +26,8 @@ def lines(detection: "Detection") -> Iterator[str]:
     )
     if detection.found:
         yield _line("symmetry", _kind(detection))
-    if detection.ambiguous:
-        for rank, (plane, score, _) in enumerate(detection.candidates[1:], 2):
-            if score > detection.threshold:
-                yield _line(
-                    f"plane {rank}",
-                    f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}   score {score:.3f}",
-                )
+    for rank, plane in enumerate(detection.planes[1:], 2):
+        yield _line(f"plane {rank}", f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}")
     if detection.exactness is not None:
         yield _line("exactness", f"{detection.exactness:.3f}   (1: exact, 0: approximate)")
     yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")

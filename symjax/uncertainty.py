@@ -39,8 +39,10 @@ class Uncertainty(NamedTuple):
         normal, offset = sign * other.normal, sign * other.offset
         turn = self.tangents @ normal
         shift = (offset - normal @ self.centre) - (estimate.offset - estimate.normal @ self.centre)
-        step = np.append(turn, shift)
-        return float(np.sqrt(step @ np.linalg.pinv(self.covariance) @ step))
+        # in standard errors: radians and the points' units differ by any factor
+        errors = np.maximum(np.sqrt(np.diag(self.covariance)), np.finfo(float).tiny)
+        step = np.append(turn, shift) / errors
+        return float(np.sqrt(step @ np.linalg.pinv(self.covariance / np.outer(errors, errors)) @ step))
 
     def contains(self, estimate: Plane, other: Plane, *, level: float = 0.95) -> bool:
         """Whether another plane is in the region that holds the true one with probability `level`."""

@@ -18,6 +18,7 @@ def detection_of(points, /, *, normal=(0.6, 0.0, 0.8), offset=0.3, weights=(), c
         "ambiguous": False,
         "symmetry": "one plane",
         "axis": None,
+        "planes": (plane,),
         "uncertainty": None,
         "exactness": None,
         "score": 0.6,

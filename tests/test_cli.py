@@ -33,6 +33,7 @@ def fake_detect(
         ambiguous=False,
         symmetry="one plane",
         axis=None,
+        planes=(PLANE,),
         uncertainty=None,
         exactness=None,
         score=0.7,

@@ -23,8 +23,11 @@ def detection(rng):
         found=True,
         ambiguous=True,
         symmetry="axis",
+        planes=(plane,),
         axis=(np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.0, 1.0])),
-        uncertainty=Uncertainty(np.diag([1e-4, 2e-4, 3e-4]), np.array([[0.8, -0.6, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3)),
+        uncertainty=Uncertainty(
+            np.diag([1e-4, 2e-4, 3e-4]), np.array([[0.8, -0.6, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3)
+        ),
         exactness=0.4,
         score=0.5,
         threshold=0.1,

@@ -64,6 +64,7 @@ def find(
         symmetry=verdict.symmetry,
         ambiguous=verdict.ambiguous,
         axis=verdict.axis,
+        planes=verdict.planes[:max_planes],
         rows=pairs,
         weight=share,
         inlier_fraction=float(counts[share >= INLIER_SHARE].sum() / max(counts.sum(), 1e-12)),

@@ -53,6 +53,7 @@ class Verdict(NamedTuple):
     symmetry: Symmetry
     ambiguous: bool
     axis: Axis | None
+    planes: tuple[Plane, ...]
 
 
 def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, lattice: Lattice) -> Verdict:
@@ -74,18 +75,19 @@ def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, latt
         return min(LEAST + PER_BACKGROUND * background, MOST)
 
     if best.score <= threshold(best):
-        return Verdict(threshold(best), "none", False, None)
+        return Verdict(threshold(best), "none", False, None, ())
     holding = [c for c in ranked if c.score > threshold(c) and c.merit > HOLDS * best.merit]
+    planes = tuple(c.plane for c in holding)
     if len(holding) == 1:
-        return Verdict(threshold(best), "one plane", False, None)
+        return Verdict(threshold(best), "one plane", False, None, planes)
     if holding[1].merit < AS_GOOD * best.merit:
-        return Verdict(threshold(best), "several planes", False, None)
+        return Verdict(threshold(best), "several planes", False, None, planes)
     least = max(threshold(best), STILL_AS_GOOD * best.score)
     axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
     if axis is None:
-        return Verdict(threshold(best), "several planes", True, None)
+        return Verdict(threshold(best), "several planes", True, None, planes)
     tilted = _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least)
-    return Verdict(threshold(best), "sphere" if tilted else "axis", True, axis)
+    return Verdict(threshold(best), "sphere" if tilted else "axis", True, axis, planes)
 
 
 def _axis(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> Axis | None:

@@ -74,6 +74,7 @@ def find(
         symmetry="none" if not found else "one plane" if len(as_good) == 1 else "several planes",
         ambiguous=found and len(as_good) > 1,
         axis=None,
+        planes=tuple(c.plane for c in as_good) if found else (),
         rows=matches.rows,
         weight=answer.weight,
         inlier_fraction=float(np.mean(answer.weight >= INLIER_WEIGHT)),
