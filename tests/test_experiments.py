@@ -11,12 +11,20 @@ import pytest
 from experiments import report
 
 TINY = {
+    "ablation": ["--conditions", "both", "--stages", "nothing,neutral rim"],
     "articulated": ["--num-points", "3000"],
+    "calibration": ["--conditions", "clean", "--data", "absent"],
+    "coverage": ["--clouds", "2"],
     "deviation": ["--trials", "2"],
-    "equivariance": ["--kinds", "1"],
+    "equivariance": ["--kinds", "1", "--methods", "robust"],
     "landscape": [],
     "planted": ["--trials", "2", "--exact-trials", "1"],
     "road": ["--kinds", "1", "--data", "absent"],
+    "robustness": [
+        *("--methods", "robust,sym-hks-cleaned", "--kinds", "1"),
+        *("--conditions", "out100", "--data", "absent"),
+    ],
+    "scale": ["--repeats", "1", "--memory-points", "0"],
     "sphere": [],
     "timing": ["--repeats", "1"],
 }
