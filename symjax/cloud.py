@@ -99,11 +99,16 @@ def prepare(
     rows = np.argsort(posed.points[:, 0], kind="stable")
     cleaned = False
     if drop_scattered or drop_floor:
+        if len(rows) > DENSITY_POINTS:
+            notes.append(f"{DENSITY_POINTS} of {len(rows)} points, drawn evenly, were looked at")
         rows = rows[_evenly(len(rows), DENSITY_POINTS)]
         rows = rows[_merge(posed.points[rows], notes)]
         num_looked_at = len(rows)
         if drop_scattered:
-            rows = _without(rows, scattered(posed.points[rows]), "are scattered outliers and were left out", notes)
+            stray = scattered(posed.points[rows])
+            # so few that a plane could not be looked for are no surface that outliers hide
+            stray &= np.count_nonzero(~stray) >= MIN_POINTS
+            rows = _without(rows, stray, "are scattered outliers and were left out", notes)
         floor = floor_rows(posed.points[rows]) if drop_floor else None
         if floor is not None:
             rows = _without(rows, floor.rows, "lie on the floor and were left out", notes)

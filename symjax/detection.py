@@ -60,7 +60,7 @@ class Detection:
         uncertainty: standard errors of normal and offset with their covariance, or None where the method has none.
         pairs: the matched points.
         exactness: by `robust`, the score where only mirror images that lie as close to the surface as its own points do
-            count as support: near 1 for an exact symmetry, near 0 for an approximate one. None by `sym-hks`.
+            count as support: 0.5 to 1 for an exact symmetry, near 0 for a rough one. None by `sym-hks`.
         inlier_fraction: share of the pairs that agree with the plane.
         converged: whether the solver converged.
         message: how it ended, a sentence.

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
-from jaxtyping import ArrayLike, Float
+from jaxtyping import ArrayLike, Float, Int
 
 from symjax.cloud import MAX_POINTS, Cloud, prepare
 from symjax.detection import Detection, Pairs
@@ -103,7 +103,7 @@ def detect(
             drop_floor=remove_floor,
         )
         given = as_points(points)
-        normals = None if normals is None else _checked_normals(normals, given.shape)[cloud.rows] @ cloud.frame
+        normals = None if normals is None else _checked_normals(normals, given.shape, cloud.rows) @ cloud.frame
         prior = None if init is None else _in_cloud_units(_checked_plane(init), cloud)
     if method == "robust":
         finding = robust.find(
@@ -175,21 +175,27 @@ def _detection(
     )
 
 
-def _checked_normals(normals: ArrayLike, shape: tuple[int, ...]) -> Float[np.ndarray, "n 3"]:
+def _checked_normals(
+    normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray, "m"]
+) -> Float[np.ndarray, "m 3"]:
     array = np.asarray(normals)
     if array.shape != shape or array.dtype.kind not in "fiu":
         raise InvalidPointsError(f"normals must be real numbers of shape {shape}, as the points, not {array.shape}")
+    array = array[rows].astype(float)
     bad = ~np.isfinite(array).all(axis=1) | (np.abs(array).max(axis=1) == 0)
     if bad.any():
         raise InvalidPointsError(
-            f"{int(bad.sum())} normals are zero, NaN or infinite, the first at index {int(np.argmax(bad))}: "
+            f"{int(bad.sum())} normals are zero, NaN or infinite, the first at index {int(rows[bad].min())}: "
             "leave normals out and they are estimated"
         )
-    return array.astype(float)
+    return array
 
 
 def _checked_plane(plane: Plane) -> Plane:
-    normal, offset = np.asarray(plane[0], dtype=float), np.asarray(plane[1], dtype=float)
+    try:
+        normal, offset = (np.asarray(part, dtype=float) for part in plane)
+    except (TypeError, ValueError):
+        normal, offset = np.zeros(0), np.zeros(0)
     if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
         raise InvalidArgumentError(f"init must be a plane (normal of shape (3,), offset), not {plane!r}")
     length = np.linalg.norm(normal)

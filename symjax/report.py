@@ -29,7 +29,7 @@ def lines(detection: "Detection") -> Iterator[str]:
     for rank, plane in enumerate(detection.planes[1:], 2):
         yield _line(f"plane {rank}", f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}")
     if detection.exactness is not None:
-        yield _line("exactness", f"{detection.exactness:.3f}   (1: exact, 0: approximate)")
+        yield _line("exactness", f"{detection.exactness:.3f}   (0.5 to 1: exact, near 0: rough)")
     yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")
     yield _line("converged", f"{'yes' if detection.converged else 'no'}   ({detection.message})")
     yield _line("sigma", f"{detection.sigma:g} of the diagonal, {detection.sigma * detection.diagonal:.4g} in units")

@@ -40,7 +40,8 @@ class Uncertainty(NamedTuple):
         turn = self.tangents @ normal
         shift = (offset - normal @ self.centre) - (estimate.offset - estimate.normal @ self.centre)
         # in standard errors: radians and the points' units differ by any factor
-        errors = np.maximum(np.sqrt(np.diag(self.covariance)), np.finfo(float).tiny)
+        errors = np.sqrt(np.diag(self.covariance))
+        errors = np.where(errors > 0, errors, 1.0)
         step = np.append(turn, shift) / errors
         return float(np.sqrt(step @ np.linalg.pinv(self.covariance / np.outer(errors, errors)) @ step))
 

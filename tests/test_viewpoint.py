@@ -17,7 +17,7 @@ from symjax.robust.viewpoint import (
 from symjax.samples import generate, pose, remove_part, scan
 from symjax.samples.sample import random_orthogonal
 
-WHOLE = ["quadruped", "human", "mug", "teapot", "car", "ball", "cube", "tree", "hand"]
+WHOLE = ["quadruped", "human", "chair", "table", "mug", "teapot", "car", "ball", "cube", "tree", "hand"]
 
 
 @cache
@@ -60,10 +60,10 @@ def test_a_whole_object_has_no_viewpoint(kind):
     assert viewpoint_of(object_of(kind)) is None
 
 
-@pytest.mark.xfail(reason="thin legs and open frames hide little: more than ONE_SIDED of a whole object is visible")
+@pytest.mark.xfail(reason="at 1500 points and fewer, what hides lies between the pixels")
 @pytest.mark.parametrize("kind", ["chair", "table"])
-def test_a_whole_object_of_thin_parts_has_no_viewpoint(kind):
-    assert viewpoint_of(object_of(kind)) is None
+def test_a_whole_object_of_few_points_has_no_viewpoint(kind):
+    assert viewpoint_of(object_of(kind, 1_500)) is None
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "teapot", "ball", "car"])

@@ -58,7 +58,7 @@ def lattice(surface: Surface, viewpoint: Viewpoint | None) -> Lattice:
     nearest = distance_transform_edt(empty, return_distances=False, return_indices=True)
     row = row[tuple(nearest)].ravel()
     if viewpoint is None:
-        blame = np.where(surface.rim, BEYOND_RIM, 1.0)[row]
+        blame = np.where(surface.rim & ~np.array(surface.flat), BEYOND_RIM, 1.0)[row]
     else:
         blame = viewpoint.blame(_middles(origin, cell))
     return Lattice(

@@ -18,6 +18,9 @@ from symjax.stages import Stages
 from symjax.status import RESULTS, sentence
 from symjax.uncertainty import Uncertainty
 
+MAX_POLISHED = 9
+"""Candidates polished at most: a cube has nine planes."""
+
 RIVAL = 0.85
 """Share of the best candidate's score from which on another one is polished too: it may be another mirror plane."""
 
@@ -40,19 +43,20 @@ def find(
         points: distinct points without scattered outliers.
         normals: surface normals, of either orientation.
         prior: a plane to begin with, beside all others.
-        max_planes: most candidates that are polished, and returned.
+        max_planes: most candidates that are returned.
         rng: draws what is looked at.
         stages: clock of the stages.
     """
     with stages("surface"):
         around = surface(points, normals=normals)
-        viewpoint = find_viewpoint(around, np.asarray(sphere.fibonacci(NUM_DIRECTIONS), dtype=float))
+        directions = np.asarray(sphere.fibonacci(NUM_DIRECTIONS), dtype=float)
+        viewpoint = None if around.flat else find_viewpoint(around, directions)
         cells = lattice(around, viewpoint)
     with stages("searching"):
         planes = candidates(around, cells, rng, prior=prior)
     with stages("polishing"):
         local = patches(around)
-        ranked, first, of_first = _polished(planes, around, local, cells, max_planes)
+        ranked, first, of_first = _polished(planes, around, local, cells)
     with stages("judging"):
         verdict = judge(ranked, around, local, cells)
     rows = np.flatnonzero(of_first.counts > 0)
@@ -77,12 +81,12 @@ def find(
 
 
 def _polished(
-    planes: tuple[Candidate, ...], around: Surface, local: Patches, cells: Lattice, max_planes: int
+    planes: tuple[Candidate, ...], around: Surface, local: Patches, cells: Lattice
 ) -> tuple[tuple[Candidate, ...], Polished, Evidence]:
     """The candidates, those that may be the best polished and weighed on all points; and the best one's details."""
     done: list[tuple[Candidate, Polished, Evidence]] = []
     for candidate in planes:
-        if len(done) == max_planes or (done and candidate.score < RIVAL * max(of.score for _, _, of in done)):
+        if len(done) == MAX_POLISHED or (done and candidate.score < RIVAL * max(of.score for _, _, of in done)):
             break
         one = polish(candidate.plane, around, local)
         if not any(same(one.plane, other.plane) for _, other, _ in done):

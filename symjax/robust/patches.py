@@ -27,7 +27,8 @@ class Patches(NamedTuple):
         axes: tangents u and w and normal z, in rows.
         coefficients: c₀ … c₅.
         reach: radius of the neighbourhood that was fitted.
-        scatter: standard deviation of the cloud about the patches of its neighbours, by the median.
+        scatter: standard deviation of the cloud about the patches of its neighbours, by the median; about 0.7 of the
+            noise, since the patches have followed it.
     """
 
     origin: Float[np.ndarray, "n 3"]

@@ -24,8 +24,9 @@ LEAST_BUCKET = 2048
 ROUNDS = 5
 """Times that the partners are looked for anew: after four the plane moves by less than its standard error."""
 
-LEAST_SIGMA = 1e-5
-"""Least scale of the residual in diagonals: patches of a clean surface fit far better than its points are spaced."""
+LEAST_SIGMA = 0.02
+"""Least scale of the residual in spacings. Patches of flat and round parts fit far better than this, but it is the
+others that fix the plane of an object that is mostly round, and they must not count as outliers."""
 
 SIGMA_FACTOR = 2.0
 """σ over the residuals' own scale: L2E then loses little of the efficiency of least squares."""
@@ -122,7 +123,7 @@ def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
             data, weight = _paired(z, surface, around)
             solution, residual = _solve(jnp.asarray(z), jnp.asarray(sigma), data)
             z, residual = np.asarray(solution.point), np.asarray(residual)[: len(weight)]
-            last, sigma = sigma, min(sigma, _scale(residual, weight, sigma))
+            last, sigma = sigma, min(sigma, max(_scale(residual, weight, sigma), LEAST_SIGMA * surface.spacing))
         flat = data._replace(coefficients=jnp.zeros_like(data.coefficients))
         slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), patch))[: len(weight)] for patch in (data, flat))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
@@ -166,7 +167,7 @@ def _scale(residual: Float[np.ndarray, "n"], weight: Float[np.ndarray, "n"], sig
     inlier = (weight > 0) & (np.abs(residual) < 3 * sigma)
     if not inlier.any():
         return sigma
-    return max(SIGMA_FACTOR * 1.4826 * float(np.median(np.abs(residual[inlier]))), LEAST_SIGMA)
+    return SIGMA_FACTOR * 1.4826 * float(np.median(np.abs(residual[inlier])))
 
 
 def _clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, "n"]:

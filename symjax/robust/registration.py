@@ -92,7 +92,7 @@ def agreement(planes: Planes, sigma: Float[Array, ""], probes: Probes, lattice: 
         m = _mirrored(plane.v, plane.omega, probes, lattice)
         counts, share = _evidence(sigma, probes, m)
         support = jnp.sum(counts * share)
-        return support / (support + jnp.sum(counts * (1 - share) * m.blame) + 1e-6 * jnp.sum(probes.weight))
+        return support / (support + jnp.sum(counts * (1 - share) * m.blame) + 1e-6 * jnp.sum(probes.weight) + 1e-30)
 
     return jax.lax.map(one, planes, batch_size=LANES)
 

@@ -25,6 +25,9 @@ rim: 0.42 at a straight edge, 0 inside, and 0.1 of scatter."""
 
 TRUST_NEIGHBOURS = 8
 
+FLAT = 1e-6
+"""Ratio of singular values below which a cloud is a flat sheet."""
+
 
 class Surface(NamedTuple):
     """A cloud as a sampled surface, in the units of the points.
@@ -49,6 +52,12 @@ class Surface(NamedTuple):
     thickness: float
     noisy: bool
     tree: cKDTree
+
+    @property
+    def flat(self) -> bool:
+        """Whether the cloud is a flat sheet: its outline is then all that tells its planes apart."""
+        singular = np.linalg.svd(self.points - self.points.mean(axis=0), compute_uv=False)
+        return bool(singular[2] < FLAT * singular[0])
 
     @property
     def tolerance(self) -> float:

@@ -11,6 +11,7 @@ from symjax.plane import Plane
 from symjax.robust.evidence import evidence
 from symjax.robust.lattice import Lattice
 from symjax.robust.patches import Patches
+from symjax.robust.search import SAME_OFFSET
 from symjax.robust.surface import Surface
 
 EXACT, EXACT_PER_NOISE, EXACT_LEAST = 0.5, 0.35, 0.4
@@ -86,8 +87,19 @@ def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, latt
     axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
     if axis is None:
         return Verdict(threshold(best), "several planes", True, None, planes)
-    tilted = _all_as_good(_about(axis[0], _tilted(axis[1])), surface, lattice, least)
+    centre = _common_point(planes)
+    tilted = _all_as_good(_about(centre, _tilted(axis[1])), surface, lattice, least)
+    if tilted:
+        axis = centre, axis[1]
     return Verdict(threshold(best), "sphere" if tilted else "axis", True, axis, planes)
+
+
+def _common_point(planes: tuple[Plane, ...]) -> Float[np.ndarray, "3"]:
+    """The point nearest to all planes, by least squares, and once more without those that miss it."""
+    normals, offsets = np.stack([p.normal for p in planes]), np.array([p.offset for p in planes])
+    point = np.linalg.lstsq(normals, offsets)[0]
+    near = np.abs(normals @ point - offsets) <= np.median(np.abs(normals @ point - offsets)) + SAME_OFFSET
+    return np.linalg.lstsq(normals[near], offsets[near])[0]
 
 
 def _axis(planes: list[Plane], surface: Surface, lattice: Lattice, least: float) -> Axis | None:
