@@ -8,9 +8,9 @@ import pytest
 import symjax
 from symjax.detection import Detection, Pairs
 from symjax.errors import FileFormatError, InvalidArgumentError
+from symjax.finding import Candidate
 from symjax.plane import Plane
 from symjax.uncertainty import Uncertainty
-from symjax.finding import Candidate
 
 
 @pytest.fixture
