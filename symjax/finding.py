@@ -12,8 +12,9 @@ Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
 Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
 
 
-EXACT_SHARE = 0.25
-"""Weight of exactness beside the score. More of it prefers, of two rough symmetries, the one of a few exact parts."""
+CHANCE, EXACT_SHARE = 0.4, 0.4
+"""Exactness that rough symmetries reach by chance, by a few exact parts: below it says nothing. Weight, beside the
+score, of what is above."""
 
 
 class Candidate(NamedTuple):
@@ -32,7 +33,7 @@ class Candidate(NamedTuple):
     @property
     def merit(self) -> float:
         """What candidates are ranked by: agreement, and a share of exact agreement, which noise cannot blur."""
-        return self.score + EXACT_SHARE * (self.exactness or 0.0)
+        return self.score + EXACT_SHARE * max((self.exactness or 0.0) - CHANCE, 0.0)
 
 
 class Finding(NamedTuple):
