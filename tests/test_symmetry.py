@@ -137,8 +137,9 @@ def test_found_and_ambiguous_and_symmetry_agree(kind):
     assert found.found == (found.symmetry != "none") == (found.score > found.threshold)
     assert not (found.ambiguous and found.symmetry in ("none", "one plane"))
     assert (found.axis is not None) == (found.symmetry in ("axis", "sphere"))
-    merits = [candidate.merit for candidate in found.candidates]
-    assert max(merits) == merits[0]
+    # the others were weighed on a thousand points only
+    polished = [candidate.merit for candidate in found.candidates if candidate.exactness is not None]
+    assert max(polished) == found.candidates[0].merit
 
 
 @pytest.mark.parametrize("kind", ["block", "drum"])
