@@ -23,8 +23,8 @@ class Candidate(NamedTuple):
     Attributes:
         plane: the plane.
         score: how well the cloud agrees with it, 0 to 1; what that is, the method says.
-        exactness: how exactly, 0 to 1; None where the method does not tell it, as `robust` does not of planes far behind
-            the best, whose score is that of a thousand points.
+        exactness: how exactly, 0 to 1; None where the method does not tell it, as `robust` does not of planes far
+            behind the best, whose score is that of a thousand points.
     """
 
     plane: Plane
