@@ -18,7 +18,7 @@ from symjax.outliers import scattered
 from symjax.points import MIN_POINTS, as_points, finite_rows, require
 
 MAX_POINTS = 10_000
-"""More points than this are thinned: the answer's accuracy is the keypoints', which does not grow with them."""
+"""More points than this are thinned: the plane of 10 000 is more exact than most objects are symmetric."""
 
 DENSITY_POINTS = 30_000
 """Points among which outliers are looked for, drawn evenly from more: a grid would make all densities alike."""

@@ -43,8 +43,8 @@ ROUNDS = (
     Round(256, 512, (0.05,) * 2 + (0.04,) * 2 + (0.03,) * 4, 0.3, 0.025),
     Round(1024, 64, (0.03,) * 6 + (0.02,) * 6 + (0.015,) * 12, 0.05, 0.015),
 )
-"""Many planes on few points, then few planes on many: the true plane was among those kept on all of 400 clouds that are
-no scans from one side, and on 0.95 of those."""
+"""Many planes on few points, then few planes on many. The true plane was among those kept on all of 312 clouds, whole,
+cut, noisy or with outliers, and on 0.92 of 39 scans from one side."""
 
 SAME_ANGLE, SAME_OFFSET = 4.0, 0.02
 """Planes nearer than this (degrees, diagonals) are one candidate."""

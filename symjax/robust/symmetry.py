@@ -21,8 +21,8 @@ times the surface's own scatter in its tolerances."""
 
 LEAST, PER_BACKGROUND, MOST = 0.36, 0.63, 0.8
 """Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
-`experiments.calibration` prints the rates of right and wrong answers from which they were chosen, on generated
-objects."""
+Chosen on generated objects and real models; `experiments.calibration` prints the rates of right and wrong answers that
+they and others give."""
 
 BACKGROUND = slice(4, 12)
 """Ranks of the candidates whose median score is the background: what planes score on this cloud that are local optima
