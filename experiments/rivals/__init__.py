@@ -1,0 +1,1 @@
+"""Other methods, each in a file of its own and faithful to its publication."""
