@@ -1,4 +1,4 @@
-"""The least-squares plane of given pairs: the maximum-likelihood estimate of the paper's Eq. 2, as printed and corrected.
+"""The least-squares plane of given pairs: the maximum-likelihood estimate of Eq. 2 of the paper, printed and corrected.
 
 In NumPy and apart from `symjax.initial.l2_plane`, so that the rivals stand on nothing of ours.
 """
