@@ -18,9 +18,9 @@ from jaxtyping import Array, Float
 from experiments import report
 from experiments.report import Row
 from symjax import objective
-from symjax.alternation import alternate
-from symjax.bfgs import minimize
 from symjax.planted import PlantedPairs, planted_pairs
+from symjax.solvers.alternation import alternate
+from symjax.solvers.bfgs import minimize
 from symjax.sphere import SPHERE, SPHERE_LINE, exponential, random_points, tangent_projection
 
 """JAX's own event of one compilation."""

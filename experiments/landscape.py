@@ -17,7 +17,6 @@ from jaxtyping import Array, Float
 from experiments import report
 from experiments.pairs import METHODS, PLACES, angle, pairs, planes
 from experiments.report import Row
-from symjax.initial import start_offset
 from symjax.objective import l2e_objective, squared_residuals
 from symjax.planted import PlantedPairs
 from symjax.sphere import tangent_basis
@@ -94,8 +93,10 @@ def _costs(
     def cost(v: Float[Array, "3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         mean = jnp.mean(0.5 * (x + y), axis=0)
         squares = jnp.mean(squared_residuals(v, jnp.sum(v * mean), x, y))
-        omega = start_offset(v, jnp.asarray(sigma), x, y, num=NUM_OFFSETS)
-        return squares, -l2e_objective(v, omega, jnp.asarray(sigma), x, y)
+        offsets = jnp.quantile(
+            jnp.sum(0.5 * (x + y) * v[None, :], axis=1), (jnp.arange(NUM_OFFSETS) + 0.5) / NUM_OFFSETS
+        )
+        return squares, -jnp.max(jax.vmap(lambda omega: l2e_objective(v, omega, jnp.asarray(sigma), x, y))(offsets))
 
     return jax.lax.map(cost, normals, batch_size=64)
 

@@ -11,12 +11,16 @@ from symjax.errors import SymjaxError, SymjaxWarning
 
 if TYPE_CHECKING:
     from symjax import metrics, samples
+    from symjax.compilation import enable_compilation_cache
     from symjax.detection import Detection, load
     from symjax.files.pointfile import read_points
-    from symjax.fit import Fit, best, fit_plane, sweep
+    from symjax.fit import Fit, best
+    from symjax.fitting import fit_global, fit_plane
     from symjax.objective import l2e_loss
     from symjax.pipeline import detect
     from symjax.plane import Plane
+    from symjax.standard_errors import StandardErrors, standard_errors
+    from symjax.sweeping import sweep, sweep_clouds
     from symjax.symhks.correspondences import SymHKS
 
 __version__ = "0.1.0"
@@ -25,14 +29,19 @@ _HOME = {
     "Detection": "symjax.detection",
     "Fit": "symjax.fit",
     "Plane": "symjax.plane",
+    "StandardErrors": "symjax.standard_errors",
     "SymHKS": "symjax.symhks.correspondences",
     "best": "symjax.fit",
     "detect": "symjax.pipeline",
-    "fit_plane": "symjax.fit",
+    "enable_compilation_cache": "symjax.compilation",
+    "fit_global": "symjax.fitting",
+    "fit_plane": "symjax.fitting",
     "l2e_loss": "symjax.objective",
     "load": "symjax.detection",
     "read_points": "symjax.files.pointfile",
-    "sweep": "symjax.fit",
+    "standard_errors": "symjax.standard_errors",
+    "sweep": "symjax.sweeping",
+    "sweep_clouds": "symjax.sweeping",
 }
 _MODULES = ("metrics", "samples")
 
@@ -40,18 +49,23 @@ __all__ = [
     "Detection",
     "Fit",
     "Plane",
+    "StandardErrors",
     "SymHKS",
     "SymjaxError",
     "SymjaxWarning",
     "best",
     "detect",
+    "enable_compilation_cache",
+    "fit_global",
     "fit_plane",
     "l2e_loss",
     "load",
     "metrics",
     "read_points",
     "samples",
+    "standard_errors",
     "sweep",
+    "sweep_clouds",
 ]
 
 

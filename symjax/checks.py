@@ -4,6 +4,7 @@ Shapes and types are always checked. Values are checked where they are known: an
 (under jit, vmap or grad) passes.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import jax
@@ -12,9 +13,12 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
+from symjax.metrics import AnyArray
 
 UNIT_TOLERANCE = 1e-3  # how far from 1 the length of a start may be
 MIN_PAIRS = 3
+
+AnyPairs = Float[AnyArray, "n 3"]
 
 
 def _known(value: Any) -> bool:
@@ -22,8 +26,8 @@ def _known(value: Any) -> bool:
 
 
 def _as_array(value: Any, name: str, error: type[ValueError], *, mask: bool = False) -> Any:
-    """The argument as an array of real numbers (or a mask), NumPy unless it is JAX's already."""
-    if not isinstance(value, jax.Array):
+    """The argument as an array of real numbers (or a mask): NumPy's unless it is being traced."""
+    if _known(value):
         try:
             value = np.asarray(value)
         except ValueError as problem:
@@ -34,7 +38,7 @@ def _as_array(value: Any, name: str, error: type[ValueError], *, mask: bool = Fa
     return value
 
 
-def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[Float[Array, "n 3"], Float[Array, "n 3"]]:
+def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[AnyPairs, AnyPairs]:
     """The two ends of the pairs as arrays of one floating type.
 
     Raises:
@@ -57,7 +61,7 @@ def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[Float[Array, "n 3"], Floa
                 )
         if jnp.issubdtype(end.dtype, jnp.integer):
             end = end.astype(float)
-        ends.append(jnp.asarray(end))
+        ends.append(end)
     if ends[0].shape != ends[1].shape:
         raise InvalidPointsError(
             f"x has shape {ends[0].shape} and y has shape {ends[1].shape}: y[i] is the mirror partner of x[i]"
@@ -69,14 +73,14 @@ def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[Float[Array, "n 3"], Floa
     return ends[0].astype(dtype), ends[1].astype(dtype)
 
 
-def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Array, "n"]:
+def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[AnyArray, "n"]:
     """The pairs' weights; ones for None.
 
     Raises:
         InvalidArgumentError: unless they are nonnegative, finite, not all zero, and one for each pair.
     """
     if weights is None:
-        return jnp.ones(num, dtype)
+        return np.ones(num, dtype)
     array = _as_array(weights, "weights", InvalidArgumentError, mask=True)
     if array.shape != (num,):
         raise InvalidArgumentError(f"weights has shape {array.shape}, not ({num},): one weight for each pair")
@@ -89,7 +93,17 @@ def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[Ar
             )
         if not values.any():
             raise InvalidArgumentError("every weight is zero")
-    return jnp.asarray(array, dtype)
+    return array.astype(dtype)
+
+
+def checked_name(argument: str, name: str, known: Iterable[str]) -> None:
+    """Refuses a name that is not known.
+
+    Raises:
+        InvalidArgumentError: naming those that are.
+    """
+    if name not in (names := list(known)):
+        raise InvalidArgumentError(f"{argument} {name!r} is unknown: choose one of {', '.join(names)}")
 
 
 def checked_sigmas(sigmas: Any, ndim: int, dtype: Any) -> Float[Array, "*s"]:

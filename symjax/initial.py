@@ -4,12 +4,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from symjax.objective import log_objective
 from symjax.plane import Plane
 from symjax.sphere import normalise, tangent_projection
 
 TRIM = 0.25  # share cut from each end of every coordinate in the trimmed Grassmann average
-NUM_OFFSETS = 31  # offsets tried for a given normal
 
 
 def weighted_quantile(
@@ -133,25 +131,6 @@ def pca_normal(
     return jnp.linalg.eigh((weights[:, None] * u).T @ u)[1][:, 0]
 
 
-def start_offset(
-    v: Float[Array, "3"],
-    sigma: Float[Array, ""],
-    x: Float[Array, "n 3"],
-    y: Float[Array, "n 3"],
-    *,
-    weights: Float[Array, "n"] | None = None,
-    num: int = NUM_OFFSETS,
-) -> Float[Array, ""]:
-    """The offset to start from for a given normal: of `num` quantiles of v·m_i, the one of best objective."""
-    if weights is None:
-        weights = jnp.ones_like(x[:, 0])
-    along = 0.5 * jnp.sum((x + y) * v[None, :], axis=1)
-    shares = ((jnp.arange(num) + 0.5) / num).astype(x.dtype)
-    offsets = weighted_quantile(along, shares, weights)
-    scores = jax.vmap(lambda omega: log_objective(v, omega, sigma, x, y, weights=weights))(offsets)
-    return offsets[jnp.argmax(scores)]
-
-
 @jax.default_matmul_precision("highest")
 def l2_plane(
     x: Float[Array, "n 3"],
@@ -182,3 +161,14 @@ def l2_plane(
     H = (weights[:, None] * (x - shift[None, :])).T @ (y - shift[None, :])
     v = jnp.linalg.eigh(0.5 * (H + H.T))[1][:, 0]
     return Plane(v, jnp.sum(v * mean)).canonical()
+
+
+def l2_normal(
+    x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, "n"] | None = None
+) -> Float[Array, "3"]:
+    """The normal of the `l2_plane` as a start."""
+    return l2_plane(x, y, weights).normal
+
+
+NORMALS = {"rga": rga_normal, "pca": pca_normal, "l2": l2_normal}
+"""The starts that are one normal, computed from the pairs, by name."""

@@ -66,7 +66,8 @@ def detect(
             keypoints' spacing.
         restarts: number of starts (`sym-hks`), by default 64: the robust Grassmann average of the paper first, then the
             principal direction, the least-squares plane, the planes of the best single pairs, and even directions.
-        solver: `"joint"`, or `"alternating"` as the paper has it (`sym-hks`): the same optimum, slower.
+        solver: `"joint"`, the paper's Riemannian BFGS; `"alternating"`, as the paper applies it; or another of
+            `fit_plane` (`sym-hks`): the same optimum.
         options: of the correspondences (`sym-hks`).
         progress: called with the name of every stage as it begins.
 

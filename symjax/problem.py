@@ -4,9 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
-
-from symjax.initial import median_point, weighted_quantile
+from jaxtyping import Array, Float, Int
 
 
 class Problem(NamedTuple):
@@ -27,18 +25,34 @@ class Problem(NamedTuple):
     radius: Float[Array, ""]
 
 
+SAMPLE = 1024  # pairs that the centre and the radius are taken from
+_FRACTION = 0.6180339887498949  # of the golden ratio
+
+
+def sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]:
+    """Rows of so many pairs, each drawn with its weight as probability: one from every num-th of the total weight.
+
+    Nothing is random: the place within each share follows the golden ratio, which no order of the pairs has as its
+    period. Of fewer pairs than `num` all are drawn, some more than once.
+    """
+    step = jnp.arange(num)
+    mass = jnp.cumsum(weights)
+    share = (step + (step * _FRACTION) % 1) / num
+    return jnp.minimum(jnp.searchsorted(mass, share.astype(mass.dtype) * mass[-1]), len(weights) - 1)
+
+
 def normalised(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"]) -> Problem:
     """Centres and scales pairs, so that any unit and any origin will do.
 
-    The centre is the median and the radius the median distance from it, so that outliers move neither. The
-    answer does not depend on them, so their derivatives are stopped.
+    The centre is the median and the radius the median distance from it, of some of the pairs, so that outliers move
+    neither. The answer does not depend on them, so their derivatives are stopped.
     """
-    points, twice = jnp.concatenate([x, y]), jnp.concatenate([weights, weights])
-    points, twice = jax.lax.stop_gradient((points, twice))
-    centre = median_point(points, twice)
+    drawn = sample(jax.lax.stop_gradient(weights), SAMPLE)
+    points = jax.lax.stop_gradient(jnp.concatenate([x[drawn], y[drawn]]))
+    centre = jnp.median(points, axis=0)
     # the largest coordinate, not the Euclidean length: squares of very large or small lengths overflow
     distance = jnp.max(jnp.abs(points - centre[None, :]), axis=1)
-    median = weighted_quantile(distance, jnp.asarray([0.5], x.dtype), twice)[0]
+    median = jnp.median(distance)
     radius = jnp.where(median > 0, median, jnp.max(distance))
     radius = jnp.where(radius > 0, radius, 1)
     scaled = [(end - centre[None, :]) / radius for end in (x, y)]

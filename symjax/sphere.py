@@ -89,24 +89,24 @@ class Manifold(NamedTuple):
     basis: Callable[[Array], Array]
 
 
-def _line_project(z: Float[Array, "4"], u: Float[Array, "4"]) -> Float[Array, "4"]:
-    return jnp.append(tangent_projection(z[:3], u[:3]), u[3])
+def _flat_project(z: Float[Array, "d"], u: Float[Array, "d"]) -> Float[Array, "d"]:
+    return jnp.concatenate([tangent_projection(z[:3], u[:3]), u[3:]])
 
 
-def _line_retract(z: Float[Array, "4"], u: Float[Array, "4"]) -> Float[Array, "4"]:
-    return jnp.append(retract(z[:3], u[:3]), z[3] + u[3])
+def _flat_retract(z: Float[Array, "d"], u: Float[Array, "d"]) -> Float[Array, "d"]:
+    return jnp.concatenate([retract(z[:3], u[:3]), z[3:] + u[3:]])
 
 
-def _line_transport(z: Float[Array, "4"], w: Float[Array, "4"]) -> Float[Array, "4 4"]:
-    return jnp.eye(4, dtype=z.dtype).at[:3, :3].set(transport(z[:3], w[:3]))
+def _flat_transport(z: Float[Array, "d"], w: Float[Array, "d"]) -> Float[Array, "d d"]:
+    return jnp.eye(len(z), dtype=z.dtype).at[:3, :3].set(transport(z[:3], w[:3]))
 
 
-def _line_basis(z: Float[Array, "4"]) -> Float[Array, "4 3"]:
-    return jnp.eye(4, dtype=z.dtype)[:, 1:].at[:3, :2].set(tangent_basis(z[:3]))
+def _flat_basis(z: Float[Array, "d"]) -> Float[Array, "d d-1"]:
+    return jnp.eye(len(z), dtype=z.dtype)[:, 1:].at[:3, :2].set(tangent_basis(z[:3]))
 
 
 SPHERE = Manifold(tangent_projection, retract, transport, tangent_basis)
 """S²: points are unit vectors v of shape (3,)."""
 
-SPHERE_LINE = Manifold(_line_project, _line_retract, _line_transport, _line_basis)
-"""S² × R: points are (v, ω), shape (4,)."""
+SPHERE_LINE = Manifold(_flat_project, _flat_retract, _flat_transport, _flat_basis)
+"""S² × R: points are (v, ω), shape (4,); with more numbers after v, S² × R², and so on."""

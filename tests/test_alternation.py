@@ -3,10 +3,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax.alternation import alternate
-from symjax.bfgs import minimize
 from symjax.objective import scaled_log_loss
 from symjax.planted import planted_pairs
+from symjax.solvers.alternation import alternate
+from symjax.solvers.bfgs import minimize
 from symjax.sphere import SPHERE_LINE
 from symjax.status import RESULTS, sentence
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from symjax.bfgs import minimize
 from symjax.objective import scaled_log_loss
 from symjax.planted import planted_pairs
+from symjax.solvers.bfgs import minimize
 from symjax.sphere import SPHERE, SPHERE_LINE, random_points
 from symjax.status import RESULTS, sentence
 

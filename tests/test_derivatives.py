@@ -7,8 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax.fit import best, fit_plane, sweep
+from symjax.fit import best
+from symjax.fitting import fit_plane
 from symjax.planted import planted_pairs
+from symjax.sweeping import sweep
 
 
 @pytest.fixture(scope="module")

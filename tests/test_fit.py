@@ -5,13 +5,15 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax import fit as fit_module
+from symjax import fitting
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.fit import Fit, best, fit_plane, sweep
+from symjax.fit import Fit, best
+from symjax.fitting import fit_plane
 from symjax.metrics import deviation_angle
 from symjax.objective import l2e_loss
 from symjax.planted import planted_pairs
 from symjax.sphere import fibonacci
+from symjax.sweeping import sweep
 
 SIGMA = 0.05
 NUM = 60  # one size in most tests: one compilation
@@ -100,7 +102,10 @@ def test_weight_zero_is_absence(pairs):
     np.testing.assert_allclose([fit.loss, same.loss], loss, rtol=1e-9)
 
 
-@pytest.mark.parametrize("options", [{"solver": "alternating"}, {"line_search": "wolfe"}])
+@pytest.mark.parametrize(
+    "options",
+    [{"solver": "mm"}, {"solver": "joint"}, {"solver": "joint", "line_search": "wolfe"}, {"solver": "alternating"}],
+)
 def test_every_solver_finds_the_same_plane(pairs, options):
     expected, other = (fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, **o) for o in ({}, options))
     assert expected.converged
@@ -137,9 +142,8 @@ def test_best_is_the_lowest_loss_that_converged(pairs, grid):
 def test_a_sweep_and_its_repetition_compile_once(monkeypatch):
     p = planted(3, num=37)
     traces = []
-    original = fit_module._solve
-    monkeypatch.setattr(fit_module, "_solve", lambda *a, **k: traces.append(1) or original(*a, **k))
-    # 37 lanes: padded to whole chunks, so that no remainder is compiled apart
+    original = sweeping._starts
+    monkeypatch.setattr(sweeping, "_starts", lambda *a, **k: traces.append(1) or original(*a, **k))
     first = sweep(p.x, p.y, [SIGMA], fibonacci(37))
     assert sum(traces) == 1
     again = sweep(p.x + 1, p.y + 1, [2 * SIGMA], -fibonacci(37), max_steps=77, tol=1e-9)
@@ -215,7 +219,7 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
         ({"weights": np.ones(2)}, InvalidArgumentError, "one weight for each pair"),
         ({"weights": np.array([1, -1, 1])}, InvalidArgumentError, r"weights\[1\]"),
         ({"weights": np.zeros(3)}, InvalidArgumentError, "every weight is zero"),
-        ({"solver": "newton"}, InvalidArgumentError, "'newton' is unknown"),
+        ({"solver": "simplex"}, InvalidArgumentError, "'simplex' is unknown"),
         ({"line_search": "exact"}, InvalidArgumentError, "'exact' is unknown"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),
         ({"tol": 0.0}, InvalidArgumentError, "tol"),
@@ -223,7 +227,7 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
     ids=lambda value: "-".join(value) if isinstance(value, dict) else None,
 )
 def test_bad_arguments_are_refused_before_anything_is_computed(monkeypatch, change, error, match):
-    monkeypatch.setattr(fit_module, "_fit_plane", None)
+    monkeypatch.setattr(fitting, "_fit_plane", None)
     with pytest.raises(error, match=match):
         fit_plane(**{**GOOD, **change})
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax.implicit import implicit_point
+from symjax.implicit import implicit_minimum
 from symjax.sphere import SPHERE
 
 
@@ -15,7 +15,7 @@ def rayleigh(v, theta):
 
 def eigenvector(theta):
     z = jax.lax.stop_gradient(jnp.linalg.eigh(theta)[1][:, 0])
-    return implicit_point(rayleigh, SPHERE, z, theta)
+    return implicit_minimum(rayleigh, SPHERE, z, rayleigh(z, theta), theta)[0]
 
 
 @pytest.fixture
@@ -66,5 +66,18 @@ def test_derivatives_pass_through_vmap_and_jit(theta):
 def test_the_start_has_no_derivative(theta):
     A, _ = theta
     z = jnp.linalg.eigh(A)[1][:, 0]
-    slope = jax.jacfwd(lambda z: implicit_point(rayleigh, SPHERE, z, A))(z)
+    slope = jax.jacfwd(lambda z: implicit_minimum(rayleigh, SPHERE, z, rayleigh(z, A), A)[0])(z)
     np.testing.assert_array_equal(slope, 0)
+
+
+def test_the_value_moves_as_if_the_point_stood_still(theta):
+    A, E = theta
+
+    def least(A):
+        z = jax.lax.stop_gradient(jnp.linalg.eigh(A)[1][:, 0])
+        return implicit_minimum(rayleigh, SPHERE, z, jax.lax.stop_gradient(rayleigh(z, A)), A)[1]
+
+    v = eigenvector(A)
+    value, slope = jax.jvp(least, (A,), (E,))
+    np.testing.assert_allclose(value, jnp.linalg.eigvalsh(A)[0], rtol=1e-12)
+    np.testing.assert_allclose(slope, v @ E @ v, rtol=1e-12)

@@ -9,7 +9,6 @@ from symjax.initial import (
     median_point,
     pca_normal,
     rga_normal,
-    start_offset,
     weighted_quantile,
 )
 from symjax.metrics import deviation_angle
@@ -83,12 +82,6 @@ def test_starts_are_centred_and_ignore_weight_zero(start):
     weights = jnp.append(jnp.ones(200), jnp.zeros(56))
     padded = start(jnp.concatenate([x, junk[0]]), jnp.concatenate([y, junk[1]]), weights=weights)
     assert deviation_angle(padded, p.normal) < 1
-
-
-def test_offset_start_finds_the_planted_offset_among_outliers():
-    p = planted_pairs(np.random.default_rng(1), 300, 0.8, "wide", shift=3.0)
-    offset = jax.jit(start_offset)(*map(jnp.asarray, (p.normal, 0.05, p.x, p.y)))
-    assert abs(offset - p.offset) < 0.1
 
 
 def test_l2_plane_minimises_the_squares(rng):

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax import linesearch
-from symjax.linesearch import Trial, armijo, strong_wolfe
+from symjax.solvers import linesearch
+from symjax.solvers.linesearch import Trial, armijo, strong_wolfe
 
 PROFILES = {
     "parabola": lambda t: (t - 1.0) ** 2,

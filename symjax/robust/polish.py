@@ -12,10 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from symjax.bfgs import Minimum, minimize
 from symjax.plane import Plane
 from symjax.robust.patches import Patches
 from symjax.robust.surface import Surface
+from symjax.solvers.bfgs import minimize
+from symjax.solvers.solver import Minimum
 from symjax.sphere import SPHERE_LINE
 
 LEAST_BUCKET = 2048

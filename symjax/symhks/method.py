@@ -4,9 +4,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
+from symjax.checks import checked_name
 from symjax.errors import InvalidArgumentError
 from symjax.finding import Finding
-from symjax.fit import SOLVERS
+from symjax.solvers.names import SOLVERS
 from symjax.stages import Stages
 from symjax.symhks.correspondences import SymHKS, sym_hks
 from symjax.symhks.search import search
@@ -28,8 +29,7 @@ AS_GOOD = 0.95
 
 def check(options: SymHKS, sigma: float | None, restarts: int, solver: str) -> None:
     """Raises InvalidArgumentError for an option out of its range."""
-    if solver not in SOLVERS:
-        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(SOLVERS)}")
+    checked_name("solver", solver, SOLVERS)
     if sigma is not None and not (np.isfinite(sigma) and sigma > 0):
         raise InvalidArgumentError(f"sigma must be positive and finite, not {sigma}")
     if restarts < 1:

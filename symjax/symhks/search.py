@@ -9,12 +9,11 @@ from jaxtyping import Array, Float, Int
 
 from symjax import initial, sphere
 from symjax.finding import Candidate
-from symjax.fit import Fit, sweep
+from symjax.fit import Fit
 from symjax.objective import l2e_weights
+from symjax.pairs import Pairs, given_pairs
 from symjax.plane import Plane
-
-BUCKET = 128
-"""Pairs are padded to a multiple of this by pairs of zero weight, so that few sizes are compiled."""
+from symjax.sweeping import sweep
 
 SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
 """Planes nearer than this (degrees, units of the points) are one optimum."""
@@ -42,14 +41,6 @@ class Search(NamedTuple):
     message: str
 
 
-class _Padded(NamedTuple):
-    """The pairs, padded by pairs of weight 0; the real ones have weight 1."""
-
-    x: Float[Array, "b 3"]
-    y: Float[Array, "b 3"]
-    weights: Float[Array, "b"]
-
-
 def search(
     x: Float[np.ndarray, "m 3"],
     y: Float[np.ndarray, "m 3"],
@@ -71,7 +62,7 @@ def search(
         rng: draws the random planes.
     """
     with jax.enable_x64(True):
-        pairs = _padded(x, y)
+        pairs = given_pairs(x, y, None)
         fits = sweep(
             pairs.x, pairs.y, np.array([sigma]), _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver
         )
@@ -81,13 +72,7 @@ def search(
         return Search(candidates, weight, threshold, bool(first.converged), str(first.message))
 
 
-def _padded(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"]) -> _Padded:
-    extra = -len(x) % BUCKET
-    first, second = (jnp.asarray(np.pad(end, ((0, extra), (0, 0)))) for end in (x, y))
-    return _Padded(first, second, jnp.asarray(np.pad(np.ones(len(x)), (0, extra))))
-
-
-def _starts(pairs: _Padded, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
+def _starts(pairs: Pairs, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
     """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
     named = np.asarray(_named_starts(pairs))[:restarts]
     half = (restarts - len(named)) // 2
@@ -98,16 +83,16 @@ def _starts(pairs: _Padded, sigma: float, restarts: int) -> Float[np.ndarray, "r
 
 
 @jax.jit
-def _named_starts(pairs: _Padded) -> Float[Array, "3 3"]:
-    x, y, weights = pairs
+def _named_starts(pairs: Pairs) -> Float[Array, "3 3"]:
+    x, y, weights, _ = pairs
     rga = initial.rga_normal(x, y, weights=weights)
     pca = initial.pca_normal(x, y, weights=weights)
     return jnp.stack([rga, pca, initial.l2_plane(x, y, weights).normal])
 
 
-def _pair_normals(pairs: _Padded, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
+def _pair_normals(pairs: Pairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
     """Normals of the planes that single pairs define, the best supported first, no two alike."""
-    x, y, real = (np.asarray(leaf) for leaf in pairs)
+    x, y, real, _ = (np.asarray(leaf) for leaf in pairs)
     step = y - x
     length = np.linalg.norm(step, axis=1, keepdims=True)
     normals = step / np.where(length > 0, length, 1.0)
@@ -116,7 +101,7 @@ def _pair_normals(pairs: _Padded, sigma: float, most: int) -> Float[np.ndarray, 
     return normals[_suppressed(planes, order[real[order] > 0], most)]
 
 
-def _distinct(fits: Fit, pairs: _Padded, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
+def _distinct(fits: Fit, pairs: Pairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
     """The distinct optima of a sweep over starts, the converged first, then by loss; and the best one's fit."""
     row = jax.tree.map(lambda leaf: leaf[0], fits)
     loss = np.asarray(row.loss)
@@ -150,17 +135,17 @@ def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng
     return Plane(normals, (normals * (x[row] + y[row]) / 2).sum(axis=1))
 
 
-def _weights(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p b"]:
+def _weights(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p b"]:
     return np.asarray(_all_weights(planes, jnp.asarray(sigma), pairs))
 
 
 @jax.jit
-def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: _Padded) -> Float[Array, "p b"]:
+def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: Pairs) -> Float[Array, "p b"]:
     """L2E weight of every pair at every plane; zero for padding."""
     weigh = jax.vmap(lambda v, omega: l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights)
     return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
 
-def _scores(planes: Plane, sigma: float, pairs: _Padded) -> Float[np.ndarray, "p"]:
+def _scores(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p"]:
     """Mean L2E weight of the real pairs at every plane."""
     return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())

@@ -17,7 +17,7 @@ CURVATURE = 0.9  # c₂, their choice for quasi-Newton directions
 MAX_TRIALS = 30
 _SHRINK = (0.1, 0.5)  # safeguards of Armijo's interpolated step
 _MARGIN = 0.1  # an interpolated step stays this far inside its bracket
-_ROUNDING = 4.0  # units of relative rounding within which two values of f are equal
+_ROUNDING = 4.0  # units of rounding, of f or 1, within which two values are equal: f is a sum of terms of order one
 
 
 class Trial(NamedTuple):
@@ -45,7 +45,7 @@ def _decreases(start: Trial, trial: Trial) -> Bool[Array, ""]:
     # a step so short that the bound itself rounds to φ(0) must decrease, not stand still
     enough = trial.value <= start.value + DECREASE * trial.step * start.slope
     enough &= trial.value < start.value
-    rounding = _ROUNDING * jnp.finfo(trial.value.dtype).eps * jnp.abs(start.value)
+    rounding = _ROUNDING * jnp.finfo(trial.value.dtype).eps * jnp.maximum(jnp.abs(start.value), 1)
     level = trial.value <= start.value + rounding
     return enough | (level & (trial.slope <= (2 * DECREASE - 1) * start.slope))
 

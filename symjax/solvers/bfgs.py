@@ -1,15 +1,15 @@
 """Riemannian BFGS."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from symjax.linesearch import LINE_SEARCHES, Trial
+from symjax.solvers.linesearch import LINE_SEARCHES, Trial
+from symjax.solvers.solver import Minimum, Solver, ending, norm, solve
 from symjax.sphere import Manifold
-from symjax.status import RESULTS
 
 FIRST_STEP = 0.1  # radians: a longer first step, the Hessian unknown, leaps out of the start's basin
 MAX_LENGTH = 0.5  # radians: no later step is longer
@@ -38,48 +38,15 @@ class State(NamedTuple):
     stalled: Bool[Array, ""]
 
 
-class Minimum(NamedTuple):
-    """Result of `minimize`.
-
-    Attributes:
-        point: the point found.
-        value: the function there.
-        grad_norm: norm of the Riemannian gradient there.
-        num_steps: steps taken.
-        result: how the solve ended.
-    """
-
-    point: Float[Array, "d"]
-    value: Float[Array, ""]
-    grad_norm: Float[Array, ""]
-    num_steps: Int[Array, ""]
-    result: RESULTS
-
-
-def _norm(u: Float[Array, "d"]) -> Float[Array, ""]:
-    return jnp.sqrt(jnp.sum(u * u))
-
-
-def ending(
-    grad_norm: Float[Array, ""], tol: float | Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
-) -> RESULTS:
-    """The status of a solve from its last gradient norm, value, and whether its last line search failed."""
-    result = RESULTS.where(stalled, RESULTS.stalled, RESULTS.max_steps_reached)
-    result = RESULTS.where(grad_norm <= tol, RESULTS.successful, result)
-    return RESULTS.where(jnp.isfinite(value) & jnp.isfinite(grad_norm), result, RESULTS.nonfinite)
-
-
-@jax.default_matmul_precision("highest")
-def minimize(
+def riemannian_bfgs(
     fun: Callable[[Float[Array, "d"]], Float[Array, ""]],
-    z0: Float[Array, "d"],
     *,
     manifold: Manifold,
     line_search: str = "armijo",
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
-) -> Minimum:
-    """Minimises a function on a manifold by Riemannian BFGS.
+) -> Solver:
+    """Riemannian BFGS for a function on a manifold.
 
     The inverse Hessian stays in ambient coordinates and moves with the point by an isometric transport,
     H ← T H Tᵀ; it is updated only where ⟨s, y⟩/⟨s, s⟩ ≥ 1e-4‖grad f‖ (the cautious update), and scaled by
@@ -88,26 +55,26 @@ def minimize(
 
     Args:
         fun: differentiable function of a point in ambient coordinates; best scaled to a Hessian of order one.
-        z0: start, on the manifold.
         manifold: `symjax.sphere.SPHERE` or `SPHERE_LINE`.
         line_search: "armijo" or "wolfe" (strong).
         max_steps: limit on the steps.
         tol: bound on the norm of the Riemannian gradient.
 
     Returns:
-        The minimum. Never raises under a trace: read `result`.
+        The solver; its starts are points on the manifold.
     """
     search = LINE_SEARCHES[line_search]
     value_and_grad = jax.value_and_grad(fun)
 
     def cond_fun(state: State) -> Bool[Array, ""]:
-        going = jnp.isfinite(state.f_k) & (_norm(state.g_k) > tol)
+        going = jnp.isfinite(state.f_k) & (norm(state.g_k) > tol)
         return going & (state.k < max_steps) & ~state.stalled
 
+    @jax.default_matmul_precision("highest")
     def body_fun(state: State) -> State:
         z_k, f_k, g_k, H_k, k, _ = state
         p_k = -manifold.project(z_k, H_k @ g_k)
-        p_k = jnp.where(jnp.sum(p_k * g_k) < -ORTHOGONAL * _norm(p_k) * _norm(g_k), p_k, -g_k)
+        p_k = jnp.where(jnp.sum(p_k * g_k) < -ORTHOGONAL * norm(p_k) * norm(g_k), p_k, -g_k)
 
         def curve(t: Float[Array, ""]) -> Trial:
             z, velocity = jax.jvp(lambda s: manifold.retract(z_k, s * p_k), (t,), (jnp.ones_like(t),))
@@ -117,7 +84,7 @@ def minimize(
 
         length = jnp.where(k == 0, FIRST_STEP, MAX_LENGTH).astype(f_k.dtype)
         start = Trial(jnp.zeros_like(f_k), z_k, f_k, g_k, jnp.sum(g_k * p_k))
-        trial, found = search(curve, start, jnp.minimum(1, length / _norm(p_k)))
+        trial, found = search(curve, start, jnp.minimum(1, length / norm(p_k)))
         found &= jnp.any(trial.point != z_k)
 
         T = manifold.transport(z_k, trial.point)
@@ -125,7 +92,7 @@ def minimize(
         y_k = trial.grad - T @ g_k
         H_k = T @ H_k @ T.T
         sy, ss, yy = jnp.sum(s_k * y_k), jnp.sum(s_k * s_k), jnp.sum(y_k * y_k)
-        cautious = sy > CAUTION * _norm(g_k) * ss
+        cautious = sy > CAUTION * norm(g_k) * ss
         rho_k = 1 / jnp.where(cautious, sy, 1)
         eye = jnp.eye(len(z_k), dtype=z_k.dtype)
         H_k = jnp.where(k == 0, sy / jnp.where(cautious, yy, 1) * eye, H_k)
@@ -138,9 +105,23 @@ def minimize(
         stayed = state._replace(k=k + 1, stalled=~found)
         return jax.tree.map(lambda a, b: jnp.where(found, a, b), moved, stayed)
 
-    f_0, g_0 = value_and_grad(z0)
-    eye = jnp.eye(len(z0), dtype=z0.dtype)
-    start = State(z0, f_0, manifold.project(z0, g_0), eye, jnp.asarray(0), jnp.asarray(False))
-    end = jax.lax.while_loop(cond_fun, body_fun, start)
-    grad_norm = _norm(end.g_k)
-    return Minimum(end.z_k, end.f_k, grad_norm, end.k, ending(grad_norm, tol, end.f_k, end.stalled))
+    def init(z0: Float[Array, "d"]) -> State:
+        f_0, g_0 = value_and_grad(z0)
+        eye = jnp.eye(len(z0), dtype=z0.dtype)
+        return State(z0, f_0, manifold.project(z0, g_0), eye, jnp.asarray(0), jnp.asarray(False))
+
+    def finish(state: State) -> Minimum:
+        grad_norm = norm(state.g_k)
+        result = ending(grad_norm, tol, state.f_k, state.stalled)
+        return Minimum(state.z_k, state.f_k, grad_norm, state.k, result)
+
+    return Solver(init, cond_fun, body_fun, finish)
+
+
+@jax.default_matmul_precision("highest")
+def minimize(fun: Callable[[Float[Array, "d"]], Float[Array, ""]], z0: Float[Array, "d"], **options: Any) -> Minimum:
+    """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
+
+    Never raises under a trace: read `result`.
+    """
+    return solve(riemannian_bfgs(fun, **options), z0)

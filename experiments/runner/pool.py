@@ -1,0 +1,58 @@
+"""Where tasks run: on this machine, or on a cluster. Either way in workers that can be killed."""
+
+import warnings
+from collections.abc import Generator, Sequence
+
+from joblib import Parallel, delayed
+
+from experiments.runner.crew import Crew
+from experiments.runner.limits import Limits
+from experiments.runner.result import Result
+from experiments.runner.task import Task
+
+
+def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Result, None, None]:
+    """Results as they come, `jobs` tasks at a time (joblib's count: −1 is one a core)."""
+    # threads that only wait, each for a process of its own: joblib's processes cannot be killed one by one, and outlive
+    # a runner that is killed
+    parallel = Parallel(n_jobs=jobs, backend="threading", batch_size=1, return_as="generator_unordered")
+    with Crew() as crew, warnings.catch_warnings():
+        # a run that is interrupted need not hear that results were not used
+        warnings.filterwarnings("ignore", ".*limit unnecessary computation time")
+        yield from parallel(delayed(crew.attempt)(task, limits) for task in tasks)
+
+
+CREW = Crew()
+"""Of a process of the cluster, kept from task to task."""
+
+
+def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator[Result, None, None]:
+    """Results as they come from a dask.distributed scheduler, whose workers can import `experiments`.
+
+    Raises:
+        OSError: the scheduler is gone.
+        RuntimeError: a function cannot be loaded, or tasks were given up, as all processes that did them ended.
+    """
+    from distributed import CancelledError, Client, as_completed
+    from distributed.scheduler import KilledWorker
+
+    lost = 0
+    with Client(address, set_as_default=False) as client:
+        # joblib's backend for a cluster waits for ever for a task that was given up
+        futures = as_completed(client.map(_attempt, tasks, limits=limits, pure=False), loop=client.loop)
+        for future in futures:
+            try:
+                yield future.result()
+            except (KilledWorker, CancelledError):
+                lost += 1
+        client.run(_dismiss, on_error="ignore")
+    if lost:
+        raise RuntimeError(f"{lost} tasks were lost with the processes of the cluster: run again for them")
+
+
+def _attempt(task: Task, limits: Limits) -> Result:
+    return CREW.attempt(task, limits)
+
+
+def _dismiss() -> None:
+    CREW.dismiss()

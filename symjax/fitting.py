@@ -1,0 +1,201 @@
+"""The mirror plane of putative pairs: from one start, or the best of all."""
+
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, ArrayLike, Float
+
+from symjax.answer import answered
+from symjax.checks import checked_name, checked_normals, checked_sigmas
+from symjax.criterion import Criterion
+from symjax.errors import InvalidArgumentError
+from symjax.features import features
+from symjax.fit import Fit
+from symjax.initial import NORMALS
+from symjax.pairs import Pairs, given_pairs
+from symjax.problem import Problem, normalised
+from symjax.scale import GRID, answered_with_scale, estimate, starts_at_all_scales
+from symjax.screening import HYPOTHESES, KEPT, hypotheses, lift, screened
+from symjax.solvers.linesearch import LINE_SEARCHES
+from symjax.solvers.names import SOLVERS, default_tol
+from symjax.solvers.solver import Limits, Minimum, solve
+from symjax.sphere import normalise
+
+MAX_STEPS = 200
+AUTO = "auto"
+
+Sigma = Float[ArrayLike, ""] | str
+
+
+def checked_limits(solver: str, line_search: str, max_steps: int, tol: float | None, dtype: Any) -> Limits:
+    """The options that every solver has.
+
+    Raises:
+        InvalidArgumentError: for an unknown solver or line search, a negative limit, or a tolerance not above 0.
+    """
+    checked_name("solver", solver, SOLVERS)
+    checked_name("line_search", line_search, LINE_SEARCHES)
+    if max_steps < 0:
+        raise InvalidArgumentError(f"max_steps must be 0 or more, not {max_steps}")
+    tol = default_tol(solver, dtype) if tol is None else tol
+    if not tol > 0:
+        raise InvalidArgumentError(f"tol must be positive, not {tol}")
+    return Limits(jnp.asarray(max_steps), jnp.asarray(tol, dtype))
+
+
+def _checked_sigma(sigma: Any, solver: str, dtype: Any) -> Float[Array, ""] | None:
+    """σ; None for "auto"."""
+    if isinstance(sigma, str):
+        if sigma != AUTO:
+            raise InvalidArgumentError(f"sigma must be a positive number or {AUTO!r}, not {sigma!r}")
+        if solver != "newton":
+            raise InvalidArgumentError(f"sigma={AUTO!r} is estimated with solver='newton', not {solver!r}")
+        return None
+    return checked_sigmas(sigma, 0, dtype)
+
+
+def _problem(pairs: Pairs) -> Problem:
+    return normalised(pairs.x, pairs.y, pairs.weights)
+
+
+@partial(jax.jit, static_argnames=("solver", "line_search", "start"))
+def _fit_plane(
+    pairs: Pairs,
+    sigma: Float[Array, ""] | None,
+    v0: Float[Array, "3"] | None,
+    limits: Limits,
+    *,
+    solver: str,
+    line_search: str,
+    start: str,
+) -> Fit:
+    problem = _problem(pairs)
+    constant = jax.lax.stop_gradient(problem)
+    if v0 is None:
+        v0 = NORMALS[start](constant.x, constant.y, weights=constant.weights)
+    v0 = normalise(jax.lax.stop_gradient(v0))
+    if sigma is None:
+        grid = jnp.asarray(GRID, v0.dtype)
+        starts = jax.vmap(lambda sigma: jnp.append(lift(constant)(v0, sigma), jnp.log(sigma)))(grid)
+        return answered_with_scale(problem, estimate(starts, constant, limits))
+    scaled = sigma / problem.radius
+    constant_sigma = jax.lax.stop_gradient(scaled)
+    criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
+    minimum = solve(SOLVERS[solver](criterion, limits, line_search), lift(constant)(v0, constant_sigma))
+    return answered(problem, scaled, minimum)
+
+
+@partial(jax.jit, static_argnames=("num_hypotheses", "num_polished"))
+def _fit_global(
+    pairs: Pairs, sigma: Float[Array, ""] | None, limits: Limits, *, num_hypotheses: int, num_polished: int
+) -> Fit:
+    problem = _problem(pairs)
+    constant = jax.lax.stop_gradient(problem)
+    proposed = hypotheses(constant, num_hypotheses)
+    if sigma is None:
+        return answered_with_scale(problem, estimate(starts_at_all_scales(proposed, constant), constant, limits))
+    scaled = sigma / problem.radius
+    constant_sigma = jax.lax.stop_gradient(scaled)
+    starts = screened(proposed, constant, constant_sigma, num=num_polished)
+    criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
+    found = jax.vmap(partial(solve, SOLVERS["newton"](criterion, limits, "")))(starts)
+    return answered(problem, scaled, lowest(found))
+
+
+def lowest(found: Minimum) -> Minimum:
+    """Of several minima, the one of lowest value."""
+    row = jnp.argmin(jnp.where(jnp.isfinite(found.value), found.value, jnp.inf))
+    return jax.tree.map(lambda leaf: leaf[row], found)
+
+
+def fit_plane(
+    x: Float[ArrayLike, "n 3"],
+    y: Float[ArrayLike, "n 3"],
+    sigma: Sigma,
+    v0: Float[ArrayLike, "3"] | str | None = None,
+    *,
+    weights: Float[ArrayLike, "n"] | None = None,
+    solver: str = "newton",
+    line_search: str = "armijo",
+    max_steps: int = MAX_STEPS,
+    tol: float | None = None,
+) -> Fit:
+    """Fits the mirror plane of putative pairs by the L2E estimator (paper, Eq. 5), from one start.
+
+    Pure JAX: it goes through jit, vmap and grad. The answer has derivatives in x, y, weights and sigma,
+    forward and reverse, by the implicit function theorem; none in v0. The criterion has many local optima:
+    from one start this finds the nearest; `fit_global` looks for the best, and `sweep` tries many starts.
+
+    Args:
+        x: one end of every pair.
+        y: the other end; y[i] is the putative mirror image of x[i].
+        sigma: scale σ of the residual, in the units of the points; "auto" estimates it together with the share of
+            mirror pairs (`symjax.scale`).
+        v0: unit normal to start from, or a start by name: "rga" (or None), the robust Grassmann average of the
+            mid-points; "pca", their least principal direction; "l2", the least-squares plane (Eq. 2, corrected).
+        weights: nonnegative weights of the pairs.
+        solver: "newton", trust-region Newton; "mm", reweighted least squares; "joint", Riemannian BFGS on S² × R;
+            or "alternating", Algorithm 1 of the paper, slowest.
+        line_search: of the last two solvers: "armijo" or "wolfe" (strong).
+        max_steps: limit on the steps, or on the rounds of the alternating solver.
+        tol: bound on the gradient, see `Fit.grad_norm`; None is eps^(2/3) of the points' type
+            (eps^(1/2) for the alternating solver).
+
+    Returns:
+        The fit. A solve that fails raises nothing: read `fit.converged`, or `fit.message` for a sentence.
+
+    Raises:
+        SymjaxError: for arguments that no plane can be fitted to, before anything is computed; the values of
+            traced arguments are not looked at.
+    """
+    pairs = given_pairs(x, y, weights)
+    limits = checked_limits(solver, line_search, max_steps, tol, pairs.x.dtype)
+    scale = _checked_sigma(sigma, solver, pairs.x.dtype)
+    start = v0 if isinstance(v0, str) else "rga"
+    checked_name("v0", start, NORMALS)
+    normal = None if v0 is None or isinstance(v0, str) else checked_normals(v0, 1, pairs.x.dtype)
+    return _fit_plane(pairs, scale, normal, limits, solver=solver, line_search=line_search, start=start)
+
+
+def fit_global(
+    x: Float[ArrayLike, "n 3"],
+    y: Float[ArrayLike, "n 3"],
+    sigma: Sigma,
+    *,
+    weights: Float[ArrayLike, "n"] | None = None,
+    num_hypotheses: int = HYPOTHESES,
+    num_polished: int = KEPT,
+    max_steps: int = MAX_STEPS,
+    tol: float | None = None,
+) -> Fit:
+    """Fits the best mirror plane of putative pairs by the L2E estimator: no start is needed.
+
+    Every pair is a hypothesis (its own mirror plane); all are ranked by the criterion on a sample of the pairs, near
+    duplicates are left out, and the best few are polished by Newton's method on all pairs. Pure JAX, with the
+    derivatives of `fit_plane`.
+
+    Args:
+        x: one end of every pair.
+        y: the other end.
+        sigma: see `fit_plane`.
+        weights: nonnegative weights of the pairs.
+        num_hypotheses: how many pairs propose their plane. With a share ρ of mirror pairs, 0.7 ρ of them are right.
+        num_polished: how many distinct planes are polished, at a given σ.
+        max_steps: limit on the steps of each.
+        tol: bound on the gradient, see `fit_plane`.
+
+    Returns:
+        The fit of lowest loss; `num_steps` is its own.
+
+    Raises:
+        SymjaxError: see `fit_plane`.
+    """
+    pairs = given_pairs(x, y, weights)
+    limits = checked_limits("newton", "armijo", max_steps, tol, pairs.x.dtype)
+    for name, number in (("num_hypotheses", num_hypotheses), ("num_polished", num_polished)):
+        if number < 1:
+            raise InvalidArgumentError(f"{name} must be 1 or more, not {number}")
+    scale = _checked_sigma(sigma, "newton", pairs.x.dtype)
+    return _fit_global(pairs, scale, limits, num_hypotheses=num_hypotheses, num_polished=num_polished)

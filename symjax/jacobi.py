@@ -1,0 +1,51 @@
+"""Eigenvalues of small symmetric matrices by Jacobi's rotations, in elementwise operations.
+
+A batch of 3 × 3 matrices costs LAPACK's `eigh` microseconds each, more than a pass over a thousand pairs; here they
+are one loop over the batch.
+"""
+
+from typing import TypeAlias
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+SWEEPS = 5  # after three the worst of 256 random matrices is diagonal to 1e-5, after five to rounding
+
+Entries: TypeAlias = list[list[Float[Array, ""]]]
+
+
+def _rotate(a: Entries, u: Entries, p: int, q: int) -> None:
+    """One rotation in the plane (p, q) that makes a[p][q] zero (Golub and Van Loan, Sec. 8.5), in place."""
+    off = a[p][q]
+    zero = off == 0
+    tau = (a[q][q] - a[p][p]) / jnp.where(zero, 1, 2 * off)
+    t = jnp.where(tau < 0, -1, 1) / (jnp.abs(tau) + jnp.sqrt(1 + tau * tau))
+    t = jnp.where(zero, 0, t)
+    c = 1 / jnp.sqrt(1 + t * t)
+    s = t * c
+    size = len(a)
+    a[p][p], a[q][q] = a[p][p] - t * off, a[q][q] + t * off
+    a[p][q] = a[q][p] = jnp.zeros_like(off)
+    for r in range(size):
+        if r not in (p, q):
+            rp, rq = a[r][p], a[r][q]
+            a[r][p] = a[p][r] = c * rp - s * rq
+            a[r][q] = a[q][r] = s * rp + c * rq
+        up, uq = u[r][p], u[r][q]
+        u[r][p], u[r][q] = c * up - s * uq, s * up + c * uq
+
+
+def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, "k"], Float[Array, "k k"]]:
+    """Eigenvalues, in no order, and the eigenvectors in columns, of a small symmetric matrix."""
+    size = len(matrix)
+
+    def sweep(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
+        a, u = ([[array[i, j] for j in range(size)] for i in range(size)] for array in state)
+        for p in range(size):
+            for q in range(p + 1, size):
+                _rotate(a, u, p, q)
+        return jnp.stack([jnp.stack(row) for row in a]), jnp.stack([jnp.stack(row) for row in u])
+
+    a, u = jax.lax.fori_loop(0, SWEEPS, sweep, (matrix, jnp.eye(size, dtype=matrix.dtype)))
+    return jnp.diagonal(a), u
