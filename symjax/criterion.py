@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from symjax import jacobi
-from symjax.features import ENTRIES, PRODUCT_INDEX, Features, coefficients, weighted_sums
+from symjax.features import COLUMNS, PRODUCT_INDEX, ROWS, TWICE, Features, coefficients, weighted_sums
 from symjax.sphere import tangent_basis
 
 _CONSTANT = 9  # the feature that is 1
+_PLACE = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # where a matrix has its entries among the features
 
 Point = Float[Array, "4"]
 """A plane as a point (v, ω) of S² × R."""
@@ -24,14 +25,18 @@ class Expansion(NamedTuple):
         value: ψ.
         gradient: its derivative in the tangent chart t ↦ (retract(v, B t), ω + t₃), B = `tangent_basis(v)`.
         hessian: its second derivative there.
-        reweighted: the plane of an MM step.
+        scatter: weighted mean of mmᵀ − hhᵀ, less that of m times itself; the weights are exp(−f_i/2σ²).
+        middle: weighted mean of m.
+        rest: what follows v and ω in the point of an MM step; nothing here.
     """
 
-    point: Point
+    point: Float[Array, "d"]
     value: Float[Array, ""]
-    gradient: Float[Array, "3"]
-    hessian: Float[Array, "3 3"]
-    reweighted: Point
+    gradient: Float[Array, "k"]
+    hessian: Float[Array, "k k"]
+    scatter: Float[Array, "3 3"]
+    middle: Float[Array, "3"]
+    rest: Float[Array, "r"]
 
 
 class Criterion(NamedTuple):
@@ -78,68 +83,49 @@ class Criterion(NamedTuple):
         kernel = sums[PRODUCT_INDEX[_CONSTANT, _CONSTANT]]
         second = sums[PRODUCT_INDEX] / kernel
         mean = second[_CONSTANT]
-        M, m = _quadratic_form(mean), -0.5 * mean[6:9]
-        # E[f]/4 = vᵀMv − 2ω v·m + ω² and a constant
-        to_v = 2 * (_times(M, v) - omega * m)
-        to_omega = 2 * (omega - jnp.sum(v * m))
-        basis = tangent_basis(v)
-        b, c = basis[:, 0], basis[:, 1]
-        slope = jnp.stack([jnp.sum(b * to_v), jnp.sum(c * to_v), to_omega])
-        turn = -jnp.sum(v * to_v)  # the sphere's curvature
-        Mb, Mc = _times(M, b), _times(M, c)
-        bc, b_omega, c_omega = 2 * jnp.sum(b * Mc), -2 * jnp.sum(b * m), -2 * jnp.sum(c * m)
-        bend = _matrix(
-            [
-                [2 * jnp.sum(b * Mb) + turn, bc, b_omega],
-                [bc, 2 * jnp.sum(c * Mc) + turn, c_omega],
-                [b_omega, c_omega, jnp.full_like(omega, 2)],
-            ]
-        )
-        J = jnp.stack([_turned(v, omega, b), _turned(v, omega, c), _shifted(v, omega)])
+        M, m = mean[_PLACE], -0.5 * mean[6:9]
+        # E[f]/4 = vᵀMv − 2ω v·m + ω² and a constant; to second order along the two tangents and ω
+        along = jnp.concatenate([tangent_basis(v).T, jnp.zeros((1, 3), v.dtype)])
+        to_omega = jnp.asarray([0, 0, 1], v.dtype)
+        from_v = 2 * (_times(M, v) - omega * m)
+        slope = _times(along, from_v) + 2 * (omega - jnp.sum(v * m)) * to_omega
+        shift = 2 * _times(along, m)
+        turned = jnp.stack([_times(along, row) for row in M])
+        bend = 2 * jnp.stack([_times(turned.T, row) for row in along])
+        bend -= jnp.sum(v * from_v) * np.diag([1, 1, 0]).astype(v.dtype)  # the sphere's own curvature
+        bend += to_omega[:, None] * (2 * to_omega - shift)[None, :] - shift[:, None] * to_omega[None, :]
+        J = _slopes(v, omega, along, to_omega)
         variance = jnp.dot(jnp.dot(J, second, precision="highest"), J.T, precision="highest")
-        variance -= slope[:, None] * slope[None, :]
+        hessian = 2 * bend - 4 / self.sigma**2 * (variance - slope[:, None] * slope[None, :])
         value = self._psi(largest + jnp.log(kernel))
-        hessian = 2 * bend - 4 / self.sigma**2 * variance
-        return Expansion(point, value, 2 * slope, hessian, least_squares(M, m, near=v))
+        return Expansion(point, value, 2 * slope, hessian, M - m[:, None] * m[None, :], m, point[4:])
 
 
-def least_squares(M: Float[Array, "3 3"], m: Float[Array, "3"], *, near: Float[Array, "3"]) -> Point:
-    """The least-squares plane under given weights, which is the next plane of the MM iteration.
+def reweighted(at: Expansion, values: Float[Array, "3"], vectors: Float[Array, "3 3"]) -> Float[Array, "d"]:
+    """The next point of the MM iteration: the least-squares plane under the weights exp(−f_i/2σ²).
 
-    exp(−t) is convex and lies above its tangent: the surrogate, whose optimum this is with the weights exp(−f_i/2σ²),
-    never exceeds the objective, so that no step lowers it (half-quadratic optimisation, reweighted least squares).
+    exp(−t) is convex and lies above its tangent: the surrogate, whose optimum this is, never exceeds the objective,
+    so that no step lowers it (half-quadratic optimisation, iteratively reweighted least squares).
 
     Args:
-        M: weighted mean of mmᵀ − hhᵀ.
-        m: weighted mean of the mid-points.
-        near: the normal's sign is that of this one.
+        at: the expansion about the last point.
+        values: eigenvalues of its scatter.
+        vectors: their eigenvectors, in columns.
     """
-    values, vectors = jacobi.eigh(M - m[:, None] * m[None, :])
     v = jnp.take(vectors, jnp.argmin(values), axis=1)
-    v = v * jnp.where(jnp.sum(v * near) < 0, -1, 1)
-    return jnp.append(v, jnp.sum(v * m))
+    v = v * jnp.where(jnp.sum(v * at.point[:3]) < 0, -1, 1)
+    return jnp.concatenate([v, jnp.sum(v * at.middle)[None], at.rest])
 
 
-def _quadratic_form(entries: Float[Array, "10"]) -> Float[Array, "3 3"]:
-    """The symmetric matrix of which the first six features hold the entries."""
-    place = {entry: k for k, entry in enumerate(ENTRIES)}
-    return _matrix([[entries[place[min(i, j), max(i, j)]] for j in range(3)] for i in range(3)])
-
-
-def _times(matrix: Float[Array, "3 3"], u: Float[Array, "3"]) -> Float[Array, "3"]:
+def _times(matrix: Float[Array, "r 3"], u: Float[Array, "3"]) -> Float[Array, "r"]:
     return matrix[:, 0] * u[0] + matrix[:, 1] * u[1] + matrix[:, 2] * u[2]
 
 
-def _matrix(rows: list[list[Float[Array, ""]]]) -> Float[Array, "r c"]:
-    return jnp.stack([jnp.stack(row) for row in rows])
-
-
-def _turned(v: Float[Array, "3"], omega: Float[Array, ""], b: Float[Array, "3"]) -> Float[Array, "10"]:
-    """Derivative of θ as v turns towards b."""
-    square = [(v[i] * b[j] + v[j] * b[i]) * (1 if i == j else 2) for i, j in ENTRIES]
-    return jnp.stack([*square, omega * b[0], omega * b[1], omega * b[2], jnp.zeros_like(omega)])
-
-
-def _shifted(v: Float[Array, "3"], omega: Float[Array, ""]) -> Float[Array, "10"]:
-    """Derivative of θ in ω."""
-    return jnp.concatenate([jnp.zeros_like(v), jnp.zeros_like(v), v, (2 * omega)[None]])
+def _slopes(
+    v: Float[Array, "3"], omega: Float[Array, ""], along: Float[Array, "3 3"], to_omega: Float[Array, "3"]
+) -> Float[Array, "3 10"]:
+    """Derivatives of θ along the two tangents and ω."""
+    twice = TWICE.astype(v.dtype)[None, :]
+    square = (v[None, ROWS] * along[:, COLUMNS] + along[:, ROWS] * v[None, COLUMNS]) * twice
+    mixed = omega * along + to_omega[:, None] * v[None, :]
+    return jnp.concatenate([square, mixed, (2 * omega * to_omega)[:, None]], axis=1)

@@ -19,15 +19,17 @@ TILE = 1024  # pairs of one product: the weights of a few hundred planes on them
 FAR = 1e6  # ‖h‖² of a pair that counts nothing: at unit radius its weight is exactly 0 for any σ below 100
 NUM_LINEAR = 10  # features that carry the plane; the eleventh, ‖h‖², has the coefficient 1
 
-ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+ROWS, COLUMNS = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 """Order of the entries of a symmetric 3 × 3 matrix in a feature."""
 
-_PRODUCTS = [(a, b) for a in range(NUM_LINEAR) for b in range(a, NUM_LINEAR)]
+TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+"""How often each entry counts in the matrix."""
+
+_FIRST, _SECOND = np.triu_indices(NUM_LINEAR)
 
 PRODUCT_INDEX = np.zeros((NUM_LINEAR, NUM_LINEAR), int)
 """Where φ_a φ_b is found among the rows of `Features.products`."""
-for _k, (_a, _b) in enumerate(_PRODUCTS):
-    PRODUCT_INDEX[_a, _b] = PRODUCT_INDEX[_b, _a] = _k
+PRODUCT_INDEX[_FIRST, _SECOND] = PRODUCT_INDEX[_SECOND, _FIRST] = np.arange(len(_FIRST))
 
 
 class Features(NamedTuple):
@@ -54,15 +56,16 @@ class Features(NamedTuple):
 
 def coefficients(v: Vector, omega: Scalar) -> Float[Array, "11"]:
     """θ(v, ω), with the 1 of ‖h‖²."""
-    square = [v[i] * v[j] * (1 if i == j else 2) for i, j in ENTRIES]
-    return jnp.stack([*square, omega * v[0], omega * v[1], omega * v[2], omega**2, jnp.ones_like(omega)])
+    square = v[ROWS] * v[COLUMNS] * TWICE.astype(v.dtype)
+    return jnp.concatenate([square, omega * v, jnp.stack([omega**2, jnp.ones_like(omega)])])
 
 
 def feature_rows(x: Pairs, y: Pairs) -> Float[Array, "11 n"]:
     """φ of every pair."""
     m, h = 0.5 * (x + y).T, 0.5 * (y - x).T
-    square = [m[i] * m[j] - h[i] * h[j] for i, j in ENTRIES]
-    return jnp.stack([*square, -2 * m[0], -2 * m[1], -2 * m[2], jnp.ones_like(m[0]), h[0] ** 2 + h[1] ** 2 + h[2] ** 2])
+    square = h[0] ** 2 + h[1] ** 2 + h[2] ** 2
+    last = jnp.stack([jnp.ones_like(square), square])
+    return jnp.concatenate([m[ROWS] * m[COLUMNS] - h[ROWS] * h[COLUMNS], -2 * m, last])
 
 
 def features(
@@ -83,7 +86,7 @@ def features(
     x, y, weights = (jnp.pad(a, ((0, extra), *[(0, 0)] * (a.ndim - 1))) for a in (x, y, weights))
     phi = feature_rows(x, y)
     phi = jnp.where(weights[None, :] > 0, phi, 0).at[-1].set(jnp.where(weights > 0, phi[-1], FAR))
-    products = jnp.stack([weights * phi[a] * phi[b] for a, b in _PRODUCTS])
+    products = weights[None, :] * phi[_FIRST] * phi[_SECOND]
 
     def cut(rows: Float[Array, "r n"]) -> Float[Array, "t r p"]:
         return rows.reshape(len(rows), -1, tile).swapaxes(0, 1)

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from symjax.answer import FRACTION, given_plane
-from symjax.criterion import Expansion, least_squares
+from symjax.criterion import Expansion
 from symjax.fit import Fit
 from symjax.implicit import implicit_minimum
 from symjax.objective import log_objective, squared_residuals
@@ -67,9 +67,10 @@ def expand(z: Float[Array, "5"], data: Data, unit: Float[Array, ""]) -> Expansio
     p = p / jnp.sum(p)
     m, h = 0.5 * (x + y), 0.5 * (y - x)
     M = jnp.dot((p[:, None] * m).T, m, precision="highest") - jnp.dot((p[:, None] * h).T, h, precision="highest")
-    plane = least_squares(M, jnp.sum(p[:, None] * m, axis=0), near=z[:3])
+    middle = jnp.sum(p[:, None] * m, axis=0)
     scale = 0.5 * jnp.log((jnp.sum(p * square) + least_sigma(x.dtype) ** 2) / 1.5)
-    return Expansion(z, value, gradient, jax.hessian(chart)(origin), jnp.append(plane, scale))
+    scatter = M - middle[:, None] * middle[None, :]
+    return Expansion(z, value, gradient, jax.hessian(chart)(origin), scatter, middle, scale[None])
 
 
 def _solve(start: Float[Array, "5"], data: Data, limits: Limits) -> Minimum:

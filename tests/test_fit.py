@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax import fitting
+from symjax import fitting, sweeping
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
 from symjax.fit import Fit, best
 from symjax.fitting import fit_plane

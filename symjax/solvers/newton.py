@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from symjax import jacobi
-from symjax.criterion import Expansion
+from symjax.criterion import Expansion, reweighted
 from symjax.solvers.solver import Minimum, Solver, ending, norm
 from symjax.sphere import SPHERE_LINE, tangent_basis
 
@@ -64,7 +64,7 @@ def newton(
 
     def step(state: State) -> State:
         at = state.at
-        values, vectors = jacobi.eigh(at.hessian)
+        (values, vectors), least_squares = _eigen(at)
         along = jnp.sum(vectors * at.gradient[:, None], axis=0)
         t = -jnp.sum(vectors * (along / jnp.maximum(jnp.abs(values), LEAST_CURVATURE))[None, :], axis=1)
         length = norm(t)
@@ -73,9 +73,10 @@ def newton(
         bent = jnp.sum(at.hessian * t[None, :], axis=1)
         predicted = -jnp.sum(t * (at.gradient + 0.5 * bent))
 
-        leap = (jnp.min(values) <= 0) & (norm(at.reweighted - at.point) > FAR_SHARE * short)
+        again = reweighted(at, *least_squares)
+        leap = (jnp.min(values) <= 0) & (norm(again - at.point) > FAR_SHARE * short)
         reweight = state.rejected | leap
-        new = expand(jnp.where(reweight, at.reweighted, SPHERE_LINE.retract(at.point, _tangent(at.point, t))))
+        new = expand(jnp.where(reweight, again, SPHERE_LINE.retract(at.point, _tangent(at.point, t))))
 
         decrease = at.value - new.value
         enough = (decrease > 0) & (decrease >= jnp.where(reweight, 0, DECREASE * predicted))
@@ -96,6 +97,14 @@ def newton(
         return Minimum(state.at.point, state.at.value, grad_norm, state.k, result)
 
     return Solver(init, going, step, finish)
+
+
+def _eigen(at: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Eigenvalues and eigenvectors of the Hessian and of the scatter: of one size, they are one computation."""
+    if at.hessian.shape != at.scatter.shape:
+        return jacobi.eigh(at.hessian), jacobi.eigh(at.scatter)
+    values, vectors = jax.vmap(jacobi.eigh)(jnp.stack([at.hessian, at.scatter]))
+    return (values[0], vectors[0]), (values[1], vectors[1])
 
 
 def _tangent(point: Float[Array, "d"], t: Float[Array, "k"]) -> Float[Array, "d"]:

@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from symjax.criterion import Expansion
+from symjax import jacobi
+from symjax.criterion import Expansion, reweighted
 from symjax.solvers.newton import ROUNDING
 from symjax.solvers.solver import Minimum, Solver, ending, norm
 
@@ -42,7 +43,7 @@ def reweighting(
 
     def step(state: State) -> State:
         at = state.at
-        new = expand(at.reweighted)
+        new = expand(reweighted(at, *jacobi.eigh(at.scatter)))
         rounding = ROUNDING * jnp.finfo(at.value.dtype).eps * jnp.maximum(jnp.abs(at.value), 1)
         level = (new.value <= at.value + rounding) & (norm(new.gradient) < norm(at.gradient))
         accepted = (new.value < at.value) | level
