@@ -11,7 +11,7 @@ from symjax.features import COLUMNS, PRODUCT_INDEX, ROWS, TWICE, Features, coeff
 from symjax.sphere import tangent_basis
 
 _CONSTANT = 9  # the feature that is 1
-_PLACE = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # where a matrix has its entries among the features
+_PLACE = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]], np.int32)  # where a matrix has its entries among the features
 
 Point = Float[Array, "4"]
 """A plane as a point (v, ω) of S² × R."""

@@ -19,15 +19,15 @@ TILE = 1024  # pairs of one product: the weights of a few hundred planes on them
 FAR = 1e6  # ‖h‖² of a pair that counts nothing: at unit radius its weight is exactly 0 for any σ below 100
 NUM_LINEAR = 10  # features that carry the plane; the eleventh, ‖h‖², has the coefficient 1
 
-ROWS, COLUMNS = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
+ROWS, COLUMNS = np.array([0, 1, 2, 0, 0, 1], np.int32), np.array([0, 1, 2, 1, 2, 2], np.int32)
 """Order of the entries of a symmetric 3 × 3 matrix in a feature."""
 
 TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 """How often each entry counts in the matrix."""
 
-_FIRST, _SECOND = np.triu_indices(NUM_LINEAR)
+_FIRST, _SECOND = (index.astype(np.int32) for index in np.triu_indices(NUM_LINEAR))
 
-PRODUCT_INDEX = np.zeros((NUM_LINEAR, NUM_LINEAR), int)
+PRODUCT_INDEX = np.zeros((NUM_LINEAR, NUM_LINEAR), np.int32)
 """Where φ_a φ_b is found among the rows of `Features.products`."""
 PRODUCT_INDEX[_FIRST, _SECOND] = PRODUCT_INDEX[_SECOND, _FIRST] = np.arange(len(_FIRST))
 

@@ -92,9 +92,12 @@ def test_principal_planes_are_right_where_the_normal_is_an_axis_of_its_own():
     assert_mostly_right(pca.find, cases)
 
 
-def test_least_squares_and_ransac_are_right_where_enough_matches_are(matched):
+def test_least_squares_and_ransac_are_right_where_enough_matches_are(matched, monkeypatch):
+    made_once = {id(case.points): matches(case.points, np.random.default_rng(0)) for case in matched}
+    for module in (maximum_likelihood, ransac_matches):
+        monkeypatch.setattr(module, "matches", lambda points, rng, drop_outliers: made_once[id(points)])
     for case in matched:
-        frame, x, y = matches(case.points, np.random.default_rng(0))
+        frame, x, y = made_once[id(case.points)]
         normal = case.planes[0].normal
         off = residual(normal, (case.planes[0].offset - normal @ frame.centre) / frame.length, x, y)
         assert np.mean(off < 0.15) > 0.4

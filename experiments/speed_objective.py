@@ -1,0 +1,110 @@
+"""Value, gradient and Hessian of the objective for a batch of planes, beside the cost of its exponentials alone.
+
+The naive baseline is `symjax.objective.log_objective`, the residuals as they are written, under value_and_grad and
+vmap. The fast ones are those that the solvers use.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from experiments import report
+from experiments.interleaved import interleaved, ratio
+from experiments.report import Row
+from symjax.criterion import Criterion
+from symjax.features import features
+from symjax.objective import log_objective
+from symjax.planted import planted_pairs
+from symjax.problem import normalised
+from symjax.sphere import random_points
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is run.
+
+    Attributes:
+        num_pairs: pairs.
+        planes: planes of a batch.
+        repeats: rounds.
+        sigma: scale σ.
+        seed: seed of pairs and planes.
+    """
+
+    num_pairs: int = 1000
+    planes: int = 1024
+    repeats: int = 25
+    sigma: float = 0.1
+    seed: int = 0
+
+
+SIZES = {"full": Config(), "small": Config(planes=32, repeats=3)}
+
+
+def run(config: Config) -> list[Row]:
+    """One row a precision and case."""
+    rows = []
+    for dtype in ("float64", "float32"):
+        with jax.enable_x64(dtype == "float64"):
+            cases = _cases(config, dtype)
+            seconds = interleaved(cases, config.repeats)
+            cells = config.num_pairs * config.planes
+            for name, times in seconds.items():
+                over_exp = ratio(times, seconds["exp alone"])
+                naive = ratio(seconds["naive"], times)
+                rows.append(
+                    {
+                        "precision": dtype,
+                        "case": name,
+                        "ns a pair and plane": float(np.median(times)) * 1e9 / cells,
+                        "x exp alone": over_exp[0],
+                        "quartiles of that": over_exp[1],
+                        "times faster than naive": naive[0],
+                        "quartiles": naive[1],
+                    }
+                )
+    return rows
+
+
+def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
+    pairs = planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin")
+    problem = normalised(*(jnp.asarray(end, dtype) for end in (pairs.x, pairs.y)), jnp.ones(config.num_pairs, dtype))
+    sigma = jnp.asarray(config.sigma, dtype) / problem.radius
+    normals = random_points(jax.random.key(config.seed), config.planes).astype(dtype)
+    offsets = 0.1 * jax.random.normal(jax.random.key(config.seed + 1), (config.planes, 1), dtype)
+    planes = jnp.concatenate([normals, offsets], axis=1)
+    criterion = Criterion(features(problem.x, problem.y), sigma)
+    exponents = -10 * jax.random.uniform(jax.random.key(2), (config.planes, config.num_pairs), dtype)
+
+    naive = jax.jit(jax.vmap(jax.value_and_grad(lambda z: log_objective(z[:3], z[3], sigma, problem.x, problem.y))))
+    fast = jax.jit(jax.vmap(jax.value_and_grad(criterion.value)))
+    expand = jax.jit(jax.vmap(criterion.expand))
+    exp = jax.jit(jnp.exp)
+    return {
+        "exp alone": lambda: exp(exponents),
+        "naive": lambda: naive(planes),
+        "value and gradient": lambda: fast(planes),
+        "value, gradient and Hessian": lambda: expand(planes),
+    }
+
+
+def summary(rows: list[Row]) -> list[Row]:
+    """The rows with their targets."""
+    targets = {
+        "value and gradient": ("<= 2 x exp, >= 20 x naive"),
+        "value, gradient and Hessian": "<= 3 x exp",
+    }
+    return [{**row, "target": targets.get(row["case"], "")} for row in rows]
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command."""
+    report.main(__file__, __doc__, SIZES, run, summary, argv=argv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+"""`python -m symjax.cli`."""
+
+from symjax.cli import main
+
+main()

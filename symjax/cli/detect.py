@@ -1,0 +1,109 @@
+"""`symjax detect`."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symjax import report
+from symjax.cli import options
+from symjax.cli.errors import one_line_errors
+from symjax.cli.outputs import check_outputs
+from symjax.cli.progress import progress
+from symjax.cli.start import start_jax
+
+if TYPE_CHECKING:
+    from symjax.detection import Detection
+
+
+@click.command("detect", context_settings={"show_default": True})
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--method", type=click.Choice(["robust", "sym-hks"]), default="robust", help="How the plane is found.")
+@click.option("--remove-floor", is_flag=True, help="Leave out the plane that the scan stands on.")
+@click.option("--init", type=float, nargs=4, metavar="NX NY NZ D", help="A plane NX x + NY y + NZ z = D to begin with.")
+@click.option("--max-planes", type=int, metavar="N", help="Most candidates.  [default: 9]")
+@click.option("--keep-outliers", is_flag=True, help="Do not look for scattered outliers (robust).")
+@click.option("--drop-outliers", is_flag=True, help="Leave out scattered outliers (sym-hks).")
+@options.seed(0, "Seed of everything random.")
+@click.option(
+    "--sigma",
+    type=float,
+    metavar="FRACTION",
+    help="Scale of the residual, a fraction of the diagonal (sym-hks).  [default: 1.4 keypoint spacings]",
+)
+@click.option("--restarts", type=int, metavar="N", help="Starts of the estimator (sym-hks).  [default: 64]")
+@options.reading
+@options.as_json
+@options.output("--html", "OUT.html", "Write an interactive page.")
+@options.output("--png", "OUT.png", "Write a picture.")
+@options.output("--mirror", "OUT.ply", "Write the completed object.")
+@options.output("--save", "OUT.json", "Write the detection.")
+@options.force
+@options.computing
+def command(
+    file: Path,
+    as_json: bool,
+    samples: int,
+    seed: int,
+    force: bool,
+    cache: bool,
+    quiet: bool,
+    debug: bool,
+    **chosen: Any,
+) -> None:
+    """Find the mirror plane of the points or the mesh in FILE.
+
+    Reads PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled by area.
+    """
+    outputs = {name: chosen.pop(name) for name in ("html", "png", "mirror", "save")}
+    with one_line_errors(debug), progress(quiet) as (announce, _):
+        check_outputs(outputs, force, file, endings={"mirror": (".ply",)})
+        announce("reading")
+        start = perf_counter()
+        from symjax.files.pointfile import read_points
+
+        points, note = read_points(file, num_samples=samples, rng=seed)
+        reading = perf_counter() - start
+        announce("starting JAX")
+        start_jax(cache=cache)
+        from symjax import pipeline
+
+        if chosen.pop("keep_outliers"):
+            chosen["drop_outliers"] = False
+        elif not chosen["drop_outliers"]:
+            chosen["drop_outliers"] = None
+        if chosen["init"] is not None:
+            chosen["init"] = (chosen["init"][:3], chosen["init"][3])
+        given = {name: value for name, value in chosen.items() if value is not None}
+        detection = pipeline.detect(points, rng=seed, progress=announce, **given)
+        _write(detection, outputs, announce)
+    if as_json:
+        head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
+        click.echo(json.dumps({**head, **detection.to_dict()}))
+        return
+    click.echo(f"{'file':<10}{file}   ({note}; read in {reading:.2f} s)")
+    for line in report.lines(detection):
+        click.echo(line)
+    for path in outputs.values():
+        if path is not None:
+            click.echo(f"{'written':<10}{path}")
+
+
+def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:
+    """Every output that was asked for; existing files were dealt with by `check_outputs`."""
+    from symjax.files.pointfile import write_points
+    from symjax.pictures.plot import write_html
+
+    writers: dict[str, Callable[[Path], object]] = {
+        "html": lambda path: write_html(detection, path),
+        "png": detection.picture,
+        "mirror": lambda path: write_points(path, detection.complete(), force=True),
+        "save": detection.save,
+    }
+    for name, path in outputs.items():
+        if path is not None:
+            announce(f"writing {path}")
+            writers[name](path)
