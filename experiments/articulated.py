@@ -1,7 +1,9 @@
 """A posed model, of which only parts are symmetric, as in the last example of the paper's Figure of partial models.
 
 Heat kernel signatures stay the same when a limb bends, so that correspondences reach over to the bent limb; they do not
-agree with any plane, and the estimator leaves them out. The picture shows which pairs agree.
+agree with any plane, and the estimator leaves them out. The picture shows which pairs agree. `bend` is how far the leg
+is swung, `angle` how far the plane is from the true one, both in degrees; inliers at the trunk and at the legs are the
+mean weights of the pairs above and below the hip.
 """
 
 from collections.abc import Sequence
@@ -10,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
+from PIL import Image
 
 import symjax
 from experiments import report
@@ -85,6 +88,7 @@ def _share(found: Detection, points: Float[np.ndarray, "n 3"], *, above: bool) -
 def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Symjax's own picture of the figure with the leg swung furthest."""
     symjax.detect(posed(config, config.drawn), method="sym-hks", rng=0).picture(path)
+    Image.open(path).convert("RGB").save(path.with_suffix(".pdf"))
 
 
 def main(argv: Sequence[str] | None = None) -> None:

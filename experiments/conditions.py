@@ -28,6 +28,14 @@ CONDITIONS: dict[str, dict[str, Any]] = {
 }
 """Arguments of `samples.corrupt` by the name of the condition."""
 
+SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
+    "out40": {"outliers": 0.4},
+    "out80": {"outliers": 0.8},
+    "out120": {"outliers": 1.2},
+    "miss20": {"missing": 0.2},
+}
+"""The same, and what the sweeps of outliers and of missing parts have besides."""
+
 ALL = ",".join(CONDITIONS)
 
 PAPER = {"clean": 0.95, "out20": 0.94, "out60": 0.91, "out100": 0.89, "miss15": 0.93, "miss28": 0.90}
@@ -109,7 +117,7 @@ def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
     for condition in conditions:
         for case in cases:
             rng = np.random.default_rng([case.seed, *condition.encode(), *case.name.encode()])
-            cloud = samples.corrupt(case.points, rng, diagonal=case.diagonal, **CONDITIONS[condition])
+            cloud = samples.corrupt(case.points, rng, diagonal=case.diagonal, **SWEPT[condition])
             yield Trial(case, condition, cloud.points)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from experiments import report
+from experiments.figure import save
 from experiments.pairs import METHODS, PLACES, angle, pairs, planes
 from experiments.report import Row
 from symjax.objective import l2e_objective, squared_residuals
@@ -167,7 +168,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
             if column == 0:
                 ax.legend(fontsize=7, loc="lower left")
     figure.tight_layout()
-    figure.savefig(path, dpi=130)
+    save(figure, path)
     plt.close(figure)
 
 

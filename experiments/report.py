@@ -16,10 +16,14 @@ from time import perf_counter
 from typing import Any
 
 import symjax
+from experiments.benchmarks.absence import DataAbsentError
 
 Row = dict[str, Any]
 
 PROJECT = Path(__file__).resolve().parents[1]
+NOT_MEASURED = 3
+"""Exit status of an experiment whose data is absent."""
+
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "optimistix", "robust-laplacian", "trimesh")
 
 
@@ -35,7 +39,8 @@ def main(
 ) -> None:
     """The command of an experiment: runs it, writes its files and prints its summary.
 
-    Writes `NAME.csv` (the rows), `NAME.json` (summary and provenance) and, with `draw`, `NAME.png`.
+    Writes `NAME.csv` (the rows), `NAME.json` (summary and provenance), `NAME.md` (the summary as Markdown) and, with
+    `draw`, `NAME.png` and `NAME.pdf`. Where its data is absent it writes nothing and exits with `NOT_MEASURED`.
 
     Args:
         file: `__file__` of the experiment.
@@ -43,7 +48,7 @@ def main(
         sizes: configurations by the name of their size. Fields that are a number or a string become options.
         run: gives the rows of a configuration.
         summary: gives the lines of the printed table, with the paper's number or the target beside ours.
-        draw: draws the rows of a configuration into a file.
+        draw: draws the rows of a configuration into a PNG file, and into a PDF beside it (`experiments.figure.save`).
         argv: the command line's arguments.
     """
     name = Path(file).stem
@@ -51,15 +56,21 @@ def main(
     command = " ".join([f"python -m experiments.{name}", *argv])
     size, out, config = _options(name, doc or "", sizes, argv)
     started, clock = datetime.now(UTC), perf_counter()
-    rows = run(config)
+    try:
+        rows = run(config)
+    except DataAbsentError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        sys.exit(NOT_MEASURED)
     seconds = perf_counter() - clock
     if not rows:
-        sys.exit(f"{name}: NOTHING WAS MEASURED, and nothing is written")
+        print(f"{name}: NOTHING WAS MEASURED, and nothing is written", file=sys.stderr)
+        sys.exit(NOT_MEASURED)
     lines = summary(rows)
     out.mkdir(parents=True, exist_ok=True)
     write_rows(rows, out / f"{name}.csv")
     about = provenance(command, config, size, started, seconds)
     (out / f"{name}.json").write_text(json.dumps({**about, "summary": lines}, indent=1, default=_plain) + "\n")
+    (out / f"{name}.md").write_text(markdown(lines) + "\n", encoding="utf-8")
     if draw is not None:
         draw(config, rows, out / f"{name}.png")
     print(f"{name} ({size}): {len(rows)} rows in {seconds:.0f} s -> {out / name}.csv")
@@ -146,6 +157,12 @@ def table(lines: list[Row]) -> str:
     cells = [list(lines[0]), *([_text(value) for value in line.values()] for line in lines)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return "\n".join("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells)
+
+
+def markdown(lines: list[Row]) -> str:
+    """Rows of the same columns as a Markdown table."""
+    cells = [list(lines[0]), ["---"] * len(lines[0]), *([_text(value) for value in line.values()] for line in lines)]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells)
 
 
 def _text(value: Any) -> str:

@@ -70,11 +70,11 @@ def _row(case: Case) -> Row:
     return row | {
         "angle": float(found.plane.angle(nearest)),
         "offset_error": float(metrics.offset_error(found.plane, nearest, centre, case.diagonal)),
-        "right_matches": _right_matches(found, case),
+        "right_matches": right_matches(found, case),
     }
 
 
-def _right_matches(found: Detection, case: Case) -> float:
+def right_matches(found: Detection, case: Case) -> float:
     """Share of the pairs that some right plane mirrors onto each other."""
     radius = float(np.linalg.norm(case.points - case.points.mean(axis=0), axis=1).max())
     misses = [np.linalg.norm(plane.reflect(found.pairs.x) - found.pairs.y, axis=1) for plane in case.planes]

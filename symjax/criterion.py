@@ -56,23 +56,23 @@ class Criterion(NamedTuple):
     def value(self, point: Point) -> Float[Array, ""]:
         """ψ, differentiable in the point: value and gradient cost little more than the exponentials."""
 
-        def evaluate(point: Point) -> tuple[Float[Array, ""], Float[Array, "11"]]:
-            rows = self.pairs.weighted
-            largest, sums = weighted_sums(self.pairs, point[:3], point[3], self.sigma, lambda tile: rows[tile])
-            return self._psi(largest + jnp.log(sums[_CONSTANT])), sums / sums[_CONSTANT]
+        def sums(point: Point, rows: Float[Array, "t r p"]) -> tuple[Float[Array, ""], Float[Array, "r"]]:
+            return weighted_sums(self.pairs, point[:3], point[3], self.sigma, lambda tile: rows[tile])
 
         @jax.custom_jvp
         def at(theta: Float[Array, "11"], point: Point) -> Float[Array, ""]:
             del theta  # the coefficients of the point: the derivative goes through them
-            return evaluate(point)[0]
+            largest, kernel = sums(point, self.pairs.weights[:, None, :])
+            return self._psi(largest + jnp.log(kernel[0]))
 
         @at.defjvp
         def at_jvp(
             primals: tuple[Float[Array, "11"], Point], tangents: tuple[Float[Array, "11"], Point]
         ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-            psi, mean = evaluate(primals[1])
+            largest, means = sums(primals[1], self.pairs.weighted)
+            kernel = means[_CONSTANT]
             # dψ = 2 E[φ]·dθ under the weights
-            return psi, 2 * jnp.sum(mean * tangents[0])
+            return self._psi(largest + jnp.log(kernel)), 2 * jnp.sum(means * tangents[0]) / kernel
 
         return at(coefficients(point[:3], point[3]), point)
 

@@ -84,23 +84,19 @@ def features(
     tile = min(TILE, len(x))
     extra = -len(x) % tile
     x, y, weights = (jnp.pad(a, ((0, extra), *[(0, 0)] * (a.ndim - 1))) for a in (x, y, weights))
-    phi = feature_rows(x, y)
-    phi = jnp.where(weights[None, :] > 0, phi, 0).at[-1].set(jnp.where(weights > 0, phi[-1], FAR))
+    num_tiles = jnp.asarray(-(-used // tile))
+    # tile by tile, each small enough for a core's cache
+    tiles = jax.lax.map(_tile, tuple(a.reshape(-1, tile, *a.shape[1:]) for a in (x, y, weights)))
+    return tiles._replace(num_tiles=num_tiles)
+
+
+def _tile(pairs: tuple[Pairs, Pairs, Float[Array, "p"]]) -> Features:
+    x, y, weights = pairs
+    phi = jnp.where(weights[None, :] > 0, feature_rows(x, y), 0)
+    phi = phi.at[-1].set(jnp.where(weights > 0, phi[-1], FAR))
     products = weights[None, :] * phi[_FIRST] * phi[_SECOND]
-
-    def cut(rows: Float[Array, "r n"]) -> Float[Array, "t r p"]:
-        return rows.reshape(len(rows), -1, tile).swapaxes(0, 1)
-
     m, h = 0.5 * (x + y).T, 0.5 * (y - x).T
-    return Features(
-        phi=cut(phi),
-        weighted=cut(weights[None, :] * phi),
-        products=cut(products),
-        midpoints=cut(m),
-        halves=cut(h),
-        weights=weights.reshape(-1, tile),
-        num_tiles=jnp.asarray(-(-used // tile)),
-    )
+    return Features(phi, weights[None, :] * phi, products, m, h, weights, jnp.asarray(1))
 
 
 def _exponents(pairs: Features, tile: Int[Array, ""], v: Vector, omega: Scalar, sigma: Scalar) -> Float[Array, "p"]:

@@ -17,7 +17,7 @@ from symjax.initial import NORMALS
 from symjax.pairs import Pairs, given_pairs
 from symjax.problem import Problem, normalised
 from symjax.scale import GRID, answered_with_scale, estimate, starts_at_all_scales
-from symjax.screening import HYPOTHESES, KEPT, hypotheses, lift, screened
+from symjax.screening import HYPOTHESES, KEPT, drawn, hypotheses, lift, screened
 from symjax.solvers.linesearch import LINE_SEARCHES
 from symjax.solvers.names import SOLVERS, default_tol
 from symjax.solvers.solver import Limits, Minimum, solve
@@ -25,6 +25,9 @@ from symjax.sphere import normalise
 
 MAX_STEPS = 200
 AUTO = "auto"
+
+SAMPLE = 1024
+"""Of more pairs than this, `fit_global` polishes its planes on so many first."""
 
 Sigma = Float[ArrayLike, ""] | str
 
@@ -100,14 +103,22 @@ def _fit_global(
     constant_sigma = jax.lax.stop_gradient(scaled)
     starts = screened(proposed, constant, constant_sigma, num=num_polished)
     criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
-    found = jax.vmap(partial(solve, SOLVERS["newton"](criterion, limits, "")))(starts)
-    return answered(problem, scaled, lowest(found))
+    if len(pairs.x) > SAMPLE:
+        # most of the way on some of the pairs; the last steps, of the best plane, on all
+        near = _polished(Criterion(features(*drawn(constant, SAMPLE)), constant_sigma), starts, limits).point
+        lowest = jnp.argmin(_finite(jax.vmap(criterion.value)(near)))
+        starts = near[lowest][None]
+    found = _polished(criterion, starts, limits)
+    lowest = jnp.argmin(_finite(found.value))
+    return answered(problem, scaled, jax.tree.map(lambda leaf: leaf[lowest], found))
 
 
-def lowest(found: Minimum) -> Minimum:
-    """Of several minima, the one of lowest value."""
-    row = jnp.argmin(jnp.where(jnp.isfinite(found.value), found.value, jnp.inf))
-    return jax.tree.map(lambda leaf: leaf[row], found)
+def _polished(criterion: Criterion, starts: Float[Array, "k 4"], limits: Limits) -> Minimum:
+    return jax.vmap(partial(solve, SOLVERS["newton"](criterion, limits, "")))(starts)
+
+
+def _finite(values: Float[Array, "k"]) -> Float[Array, "k"]:
+    return jnp.where(jnp.isfinite(values), values, jnp.inf)
 
 
 def fit_plane(

@@ -64,7 +64,7 @@ def _bar() -> Iterator[Progress]:
     # tqdm itself shows nothing where a terminal does not tell its size
     columns, rows = shutil.get_terminal_size()
     layout: dict[str, Any] = {"bar_format": _STAGE, "ncols": columns, "nrows": rows}
-    with tqdm(total=0, leave=False, file=sys.stderr, smoothing=0, **layout) as bar:
+    with tqdm(total=0, leave=False, file=sys.stderr, **layout) as bar:
 
         def stage(name: str) -> None:
             bar.bar_format = _STAGE
@@ -74,7 +74,7 @@ def _bar() -> Iterator[Progress]:
             bar.bar_format = _COUNT
             if done == 0:
                 bar.reset(total)
-            bar.update(done - bar.n)
+            bar.n = done
             bar.refresh()
 
         yield Progress(stage, advance)

@@ -1,5 +1,7 @@
 """The distinct optima that the starts of a sweep reach."""
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -13,6 +15,37 @@ the diagonal."""
 
 NOWHERE = -1
 """Rank of a start that has not converged."""
+
+
+class Optimum(NamedTuple):
+    """An optimum of one σ.
+
+    Attributes:
+        plane: its plane.
+        loss: the loss there.
+        share: share of the starts that reach it.
+    """
+
+    plane: Plane
+    loss: float
+    share: float
+
+
+def optima(planes: Plane, loss: Float[np.ndarray, "r"], rank: Int[np.ndarray, "r"]) -> list[Optimum]:
+    """The distinct optima, the best first.
+
+    Args:
+        planes: where the starts ended.
+        loss: the loss there.
+        rank: the ranks of what they reached.
+    """
+    found = []
+    for number in range(rank.max() + 1):
+        lanes = np.flatnonzero(rank == number)
+        lane = lanes[np.argmin(loss[lanes])]
+        plane = Plane(planes.normal[lane], planes.offset[lane])
+        found.append(Optimum(plane, float(loss[lane]), len(lanes) / len(rank)))
+    return found
 
 
 def ranks(

@@ -18,7 +18,8 @@ def lines(survey: Survey) -> Iterator[str]:
     pairs, options = survey.pairs, survey.options
     for note in pairs.notes:
         yield f"{'pairs':<10}{note}"
-    starts = f"{survey.rank.shape[1]} starts ({options.start}), solver {options.solver}"
+    number = survey.rank.shape[1]
+    starts = f"{number} {'start' if number == 1 else 'starts'} ({options.start}), solver {options.solver}"
     followed = ", each σ from the optima of the last" if options.continuation else ""
     yield f"{'sweep':<10}{len(survey.fractions)} sigma, {starts}{followed}"
     yield f"{'units':<10}sigma in diagonals of {pairs.diagonal:.6g}, normal · x = offset in the units of the points"

@@ -129,7 +129,7 @@ def _swept(
     stage("compiling")
     # a sweep of no step ends where it began
     begun = [run(sigmas[first : first + size], 0) for first in range(0, len(sigmas), size)]
-    stage("sweeping")
+    stage("sweeping sigma")
     advance(0, len(sigmas))
     fits = []
     for first in range(0, len(sigmas), size):
