@@ -87,7 +87,7 @@ class Config:
 
 
 QUICK = "robust,sym-hks,pca,mle,ransac-points,kazhdan,cicconet,hruda,nagar-raman,3dsymm,3dsymm-all"
-SIZES = {"full": Config(), "small": Config(sizes="1042,4000", repeats=1, methods=QUICK, seconds=10.0)}
+SIZES = {"full": Config(), "small": Config(sizes="1042,2000,5000", repeats=1, methods=QUICK, seconds=10.0)}
 
 
 def timed(method: str, kind: str, size: int, seed: int) -> Row:
@@ -131,11 +131,11 @@ def _call(config: Config, worker: Worker, method: str, size: int, repeat: int) -
         yield row | said | {"failure": result.failure}
 
 
-def exponent(seconds: Mapping[int, float]) -> float:
-    """The least-squares slope of log seconds over log points, without `VERTICES`; NaN for fewer than two sizes."""
+def exponent(seconds: Mapping[int, float]) -> float | str:
+    """The least-squares slope of log seconds over log points, without `VERTICES`; "-" for fewer than two sizes."""
     grown = {size: value for size, value in seconds.items() if size != VERTICES}
     if len(grown) < 2:
-        return float("nan")
+        return "-"
     return float(np.polyfit(np.log(list(grown)), np.log(list(grown.values())), 1)[0])
 
 
@@ -174,14 +174,14 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     axes = drawn.subplots()
     for index, method in enumerate(dict.fromkeys(row["method"] for row in rows)):
         seconds = medians(rows, method)
-        label = f"{METHODS[method].title}: {exponent(seconds):.2f}"
+        label = f"{METHODS[method].title}: {exponent(seconds):.2}"
         line = axes.plot(list(seconds), list(seconds.values()), f"C{index % 10}{'o^'[index // 10 % 2]}-", label=label)
         line[0].set(markersize=4, linewidth=3.0 if method == OURS else 1.2)
     for method, printed in PRINTED.items():
         grown = {size: value for size, value in sorted(printed.items()) if size != VERTICES}
         if grown:
             style = {"3DSymm": "k:"}.get(method, "k--")
-            axes.plot(list(grown), list(grown.values()), style, label=f"{method}, printed: {exponent(printed):.2f}")
+            axes.plot(list(grown), list(grown.values()), style, label=f"{method}, printed: {exponent(printed):.2}")
         if VERTICES in printed:
             axes.plot(VERTICES, printed[VERTICES], "kx")
             axes.annotate(f" {method}", (VERTICES, printed[VERTICES]), fontsize=7, va="center")

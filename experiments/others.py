@@ -44,6 +44,7 @@ class Task(NamedTuple):
 
 
 FEW = 8
+OFFSETS = 31
 
 Lowest = Callable[[], Any]
 """Runs all starts and returns the lowest ψ."""
@@ -58,6 +59,21 @@ def naive(task: Task) -> Lowest:
 
     run = jax.jit(lambda starts: jnp.min(jax.vmap(one)(starts)))
     return lambda: run(task.starts)
+
+
+def naive_from_normals(task: Task) -> Lowest:
+    """The same from normals alone: the offset of each is the best of 31 quantiles of the mid-points' heights."""
+    x, y = task.problem.x, task.problem.y
+    shares = (jnp.arange(OFFSETS) + 0.5) / OFFSETS
+
+    def one(v: Float[Array, "3"]) -> Float[Array, ""]:
+        offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
+        values = jax.vmap(lambda omega: task.psi(jnp.append(v, omega)))(offsets)
+        start = jnp.append(v, offsets[jnp.argmin(values)])
+        return minimize(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol).value
+
+    run = jax.jit(lambda normals: jnp.min(jax.vmap(one)(normals)))
+    return lambda: run(task.starts[:, :3])
 
 
 def with_optimistix(task: Task) -> Lowest:

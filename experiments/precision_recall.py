@@ -1,7 +1,7 @@
 """Precision against recall of all methods: as a threshold on their scores falls, and as Funk's thresholds rise.
 
 The paper's figure is on Funk 2017 and prints no numbers. It puts all centres at the mean of the cloud and scores one
-answer against one truth a shape, so that its curve is a diagonal by definition: the third sweep here. The table has the
+answer against one truth a shape, so that its curve is a diagonal by definition: the last sweep here. The table has the
 largest F of each sweep, and the F at 5°. It goes on from the results of `experiments.arena`.
 """
 
@@ -50,13 +50,12 @@ def _at(rows: list[Row], sweep: str) -> float:
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """The two curves that are no diagonal by definition."""
+    """The three sweeps that are no diagonal by definition."""
     first = [row for row in rows if row["condition"] == rows[0]["condition"]]
-    drawn = figure.new(13, 5)
-    left, right = drawn.subplots(1, 2)
-    draw_precision_recall(left, first, "score")
-    draw_precision_recall(right, first, "thresholds")
-    drawn.legend(*left.get_legend_handles_labels(), loc="outside right upper", fontsize=7)
+    drawn = figure.new(18, 5)
+    for axes, sweep in zip(drawn.subplots(1, 3), ("score", "best", "thresholds"), strict=True):
+        draw_precision_recall(axes, first, sweep)
+    drawn.legend(*drawn.axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
     figure.save(drawn, path)
 
 

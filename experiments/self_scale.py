@@ -13,7 +13,7 @@ from symjax.fitting import AUTO, fit_global, fit_plane
 from symjax.metrics import deviation_angle
 from symjax.plane import Plane
 from symjax.planted import NOISE, planted_pairs
-from symjax.standard_errors import standard_errors
+from symjax.sandwich import standard_errors
 
 
 @dataclass(frozen=True)

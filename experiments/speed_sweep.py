@@ -26,6 +26,7 @@ from symjax.sweeping import sweep
 
 OUTLIERS = 0.8
 ROUNDING = 1e-9  # relative, of a loss
+FLOOR_CALLS = 100
 
 
 @dataclass(frozen=True)
@@ -82,16 +83,15 @@ def _times(config: Config) -> list[Row]:
     sigmas = np.geomspace(0.2, 0.02, config.scales)
     independent = lanes(config.num_pairs, sigmas, config.restarts, config.seed)
     continued = lanes(config.num_pairs, sigmas, config.restarts, config.seed, continuation=True)
-    exponents = -10 * jax.random.uniform(jax.random.key(1), (WIDTH, config.num_pairs))
-    exp = jax.jit(jnp.exp)
-    width = 20  # calls of exp that are timed together
+    exponents = 10 * jax.random.uniform(jax.random.key(1), (WIDTH, config.num_pairs))
+    # one after the other in one program: what it costs to call a program is not counted
+    exp = jax.jit(lambda e: jax.lax.fori_loop(0, FLOOR_CALLS, lambda _, e: jnp.exp(-e), e))
     seconds = interleaved(
-        {"independent": independent, "continued": continued, "exp": lambda: [exp(exponents) for _ in range(width)]},
-        config.repeats,
+        {"independent": independent, "continued": continued, "exp": lambda: exp(exponents)}, config.repeats
     )
     alone, followed = independent(), continued()
     passes = float(jnp.sum(alone.num_steps + 1))
-    floor = seconds["exp"] / (width * WIDTH) * passes
+    floor = seconds["exp"] / (FLOOR_CALLS * WIDTH) * passes
     over, quartiles = ratio(seconds["independent"], floor)
     cheaper, spread = ratio(seconds["independent"], seconds["continued"])
     worse = best(followed).loss - best(alone).loss

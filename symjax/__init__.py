@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from symjax.objective import l2e_loss
     from symjax.pipeline import detect
     from symjax.plane import Plane
-    from symjax.standard_errors import StandardErrors, standard_errors
+    from symjax.sandwich import StandardErrors, standard_errors
     from symjax.sweeping import sweep, sweep_clouds
     from symjax.symhks.correspondences import SymHKS
 
@@ -29,7 +29,7 @@ _HOME = {
     "Detection": "symjax.detection",
     "Fit": "symjax.fit",
     "Plane": "symjax.plane",
-    "StandardErrors": "symjax.standard_errors",
+    "StandardErrors": "symjax.sandwich",
     "SymHKS": "symjax.symhks.correspondences",
     "best": "symjax.fit",
     "detect": "symjax.pipeline",
@@ -39,7 +39,7 @@ _HOME = {
     "l2e_loss": "symjax.objective",
     "load": "symjax.detection",
     "read_points": "symjax.files.pointfile",
-    "standard_errors": "symjax.standard_errors",
+    "standard_errors": "symjax.sandwich",
     "sweep": "symjax.sweeping",
     "sweep_clouds": "symjax.sweeping",
 }

@@ -53,8 +53,9 @@ def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[AnyPairs, AnyPairs]:
             hint = "; transpose it" if end.ndim == 2 and end.shape[0] == 3 else ""
             raise InvalidPointsError(f"{name} has shape {end.shape}, not (n, 3){hint}")
         if _known(end):
-            bad = np.flatnonzero(~np.isfinite(np.asarray(end)).all(axis=1))
-            if len(bad):
+            finite = np.isfinite(np.asarray(end))
+            if not finite.all():
+                bad = np.flatnonzero(~finite.all(axis=1))
                 raise NonfiniteError(
                     f"{name} has NaN or infinite coordinates in {len(bad)} of {len(end)} rows, the first is "
                     f"row {bad[0]}: drop those pairs from x and y"

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from symjax.features import COLUMNS, PRODUCT_INDEX, ROWS, TWICE, Features, coefficients, weighted_sums
+from symjax.features import COLUMNS, PRODUCT_INDEX, ROWS, TWICE, Features, weighted_sums
 from symjax.sphere import tangent_basis
 
 _CONSTANT = 9  # the feature that is 1
@@ -60,21 +60,19 @@ class Criterion(NamedTuple):
             return weighted_sums(self.pairs, point[:3], point[3], self.sigma, lambda tile: rows[tile])
 
         @jax.custom_jvp
-        def at(theta: Float[Array, "11"], point: Point) -> Float[Array, ""]:
-            del theta  # the coefficients of the point: the derivative goes through them
+        def at(point: Point) -> Float[Array, ""]:
             largest, kernel = sums(point, self.pairs.weights[:, None, :])
             return self._psi(largest + jnp.log(kernel[0]))
 
         @at.defjvp
-        def at_jvp(
-            primals: tuple[Float[Array, "11"], Point], tangents: tuple[Float[Array, "11"], Point]
-        ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-            largest, means = sums(primals[1], self.pairs.weighted)
+        def at_jvp(primals: tuple[Point], tangents: tuple[Point]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+            point = primals[0]
+            largest, means = sums(point, self.pairs.weighted)
             kernel = means[_CONSTANT]
-            # dψ = 2 E[φ]·dθ under the weights
-            return self._psi(largest + jnp.log(kernel)), 2 * jnp.sum(means * tangents[0]) / kernel
+            slope = 2 * jnp.append(*_mean_slopes(point[:3], point[3], means[:_CONSTANT] / kernel))
+            return self._psi(largest + jnp.log(kernel)), jnp.sum(slope * tangents[0])
 
-        return at(coefficients(point[:3], point[3]), point)
+        return at(point)
 
     def expand(self, point: Point) -> Expansion:
         """ψ, its Riemannian gradient and its exact Hessian in one pass over the pairs."""
@@ -84,11 +82,11 @@ class Criterion(NamedTuple):
         second = sums[PRODUCT_INDEX] / kernel
         mean = second[_CONSTANT]
         M, m = mean[_PLACE], -0.5 * mean[6:9]
-        # E[f]/4 = vᵀMv − 2ω v·m + ω² and a constant; to second order along the two tangents and ω
+        # to second order along the two tangents and ω
         along = jnp.concatenate([tangent_basis(v).T, jnp.zeros((1, 3), v.dtype)])
         to_omega = jnp.asarray([0, 0, 1], v.dtype)
-        from_v = 2 * (_times(M, v) - omega * m)
-        slope = _times(along, from_v) + 2 * (omega - jnp.sum(v * m)) * to_omega
+        from_v, from_omega = _mean_slopes(v, omega, mean)
+        slope = _times(along, from_v) + from_omega * to_omega
         shift = 2 * _times(along, m)
         turned = jnp.stack([_times(along, row) for row in M])
         bend = 2 * jnp.stack([_times(turned.T, row) for row in along])
@@ -115,6 +113,14 @@ def reweighted(at: Expansion, values: Float[Array, "3"], vectors: Float[Array, "
     v = jnp.take(vectors, jnp.argmin(values), axis=1)
     v = v * jnp.where(jnp.sum(v * at.point[:3]) < 0, -1, 1)
     return jnp.concatenate([v, jnp.sum(v * at.middle)[None], at.rest])
+
+
+def _mean_slopes(
+    v: Float[Array, "3"], omega: Float[Array, ""], mean: Float[Array, "10"]
+) -> tuple[Float[Array, "3"], Float[Array, ""]]:
+    """Derivatives of E[f]/4 = vᵀMv − 2ω v·m + ω² + E‖h‖², at fixed weights, in v and ω; `mean` is that of φ."""
+    m = -0.5 * mean[6:9]
+    return 2 * (_times(mean[_PLACE], v) - omega * m), 2 * (omega - jnp.sum(v * m))
 
 
 def _times(matrix: Float[Array, "r 3"], u: Float[Array, "3"]) -> Float[Array, "r"]:

@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from symjax.answer import answered
@@ -20,14 +21,17 @@ from symjax.scale import GRID, answered_with_scale, estimate, starts_at_all_scal
 from symjax.screening import HYPOTHESES, KEPT, drawn, hypotheses, lift, screened
 from symjax.solvers.linesearch import LINE_SEARCHES
 from symjax.solvers.names import SOLVERS, default_tol
-from symjax.solvers.solver import Limits, Minimum, solve
+from symjax.solvers.solver import Limits, solve
 from symjax.sphere import normalise
 
 MAX_STEPS = 200
 AUTO = "auto"
 
 SAMPLE = 1024
-"""Of more pairs than this, `fit_global` polishes its planes on so many first."""
+"""Pairs that `fit_global` polishes its planes on, if there are more, before it chooses one."""
+
+FIRST_STEPS = 6
+"""Steps that it takes there: right hypotheses have converged by then, and the others need not."""
 
 Sigma = Float[ArrayLike, ""] | str
 
@@ -45,7 +49,9 @@ def checked_limits(solver: str, line_search: str, max_steps: int, tol: float | N
     tol = default_tol(solver, dtype) if tol is None else tol
     if not tol > 0:
         raise InvalidArgumentError(f"tol must be positive, not {tol}")
-    return Limits(jnp.asarray(max_steps), jnp.asarray(tol, dtype))
+    # NumPy until a compiled function takes them, as in `given_pairs`
+    known: Any = np.asarray(max_steps), np.asarray(tol, dtype)
+    return Limits(*known)
 
 
 def _checked_sigma(sigma: Any, solver: str, dtype: Any) -> Float[Array, ""] | None:
@@ -102,19 +108,13 @@ def _fit_global(
     scaled = sigma / problem.radius
     constant_sigma = jax.lax.stop_gradient(scaled)
     starts = screened(proposed, constant, constant_sigma, num=num_polished)
+    # a few steps of all on some of the pairs, and the best of them to its end on all
+    few = features(*(drawn(constant, SAMPLE) if len(pairs.x) > SAMPLE else constant[:3]))
+    first = SOLVERS["newton"](Criterion(few, constant_sigma), limits._replace(max_steps=FIRST_STEPS), "")
+    near = jax.vmap(partial(solve, first))(starts).point
     criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
-    if len(pairs.x) > SAMPLE:
-        # most of the way on some of the pairs; the last steps, of the best plane, on all
-        near = _polished(Criterion(features(*drawn(constant, SAMPLE)), constant_sigma), starts, limits).point
-        lowest = jnp.argmin(_finite(jax.vmap(criterion.value)(near)))
-        starts = near[lowest][None]
-    found = _polished(criterion, starts, limits)
-    lowest = jnp.argmin(_finite(found.value))
-    return answered(problem, scaled, jax.tree.map(lambda leaf: leaf[lowest], found))
-
-
-def _polished(criterion: Criterion, starts: Float[Array, "k 4"], limits: Limits) -> Minimum:
-    return jax.vmap(partial(solve, SOLVERS["newton"](criterion, limits, "")))(starts)
+    lowest = jnp.argmin(_finite(jax.vmap(criterion.value)(near)))
+    return answered(problem, scaled, solve(SOLVERS["newton"](criterion, limits, ""), near[lowest]))
 
 
 def _finite(values: Float[Array, "k"]) -> Float[Array, "k"]:

@@ -37,7 +37,8 @@ def bucket(num: int) -> int:
 def given_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> Pairs:
     """Checks pairs and pads them.
 
-    What is known is padded in NumPy: JAX would compile the padding of every size.
+    What is known is padded in NumPy, and stays there until a compiled function takes it: JAX would compile the padding
+    of every size.
 
     Raises:
         SymjaxError: see `symjax.checks`.
@@ -46,8 +47,9 @@ def given_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> Pairs:
     w = checked_weights(weights, len(x), x.dtype)
     extra = bucket(len(x)) - len(x)
 
-    def padded(array: Any) -> Array:
+    def padded(array: Any) -> Any:
         widths = ((0, extra), *[(0, 0)] * (array.ndim - 1))
-        return jnp.pad(array, widths) if isinstance(array, jax.core.Tracer) else jnp.asarray(np.pad(array, widths))
+        return jnp.pad(array, widths) if isinstance(array, jax.core.Tracer) else np.pad(array, widths)
 
-    return Pairs(padded(x), padded(y), padded(w), jnp.asarray(len(x)))
+    used: Any = np.asarray(len(x))
+    return Pairs(padded(x), padded(y), padded(w), used)

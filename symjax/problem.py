@@ -25,7 +25,7 @@ class Problem(NamedTuple):
     radius: Float[Array, ""]
 
 
-SAMPLE = 256  # pairs that the centre and the radius are taken from
+SAMPLE = 128  # pairs that the centre and the radius are taken from
 _FRACTION = 0.6180339887498949  # of the golden ratio
 
 

@@ -19,7 +19,7 @@ from symjax.initial import NORMALS
 from symjax.pairs import Pairs, given_pairs
 from symjax.problem import Problem, normalised
 from symjax.screening import distinct, hypotheses, lift, screened
-from symjax.solvers.lanes import sharded
+from symjax.solvers.lanes import WIDTH, Make, sharded
 from symjax.solvers.names import SOLVERS
 from symjax.solvers.solver import Limits, Minimum, Solver, solve
 from symjax.sphere import fibonacci, normalise, random_points
@@ -27,9 +27,6 @@ from symjax.sphere import fibonacci, normalise, random_points
 RESTARTS = 64
 PATHS = 32
 """Distinct planes that a continuation follows from one σ to the next."""
-
-LIFTED = 256
-"""Starting normals whose offset is looked for together: more of them take more memory, and no less time."""
 
 STARTS = (*NORMALS, "fibonacci", "random", "hypotheses")
 """The starts by name."""
@@ -54,41 +51,39 @@ def _sweep(
     constant, scales = jax.lax.stop_gradient((problem, scaled))
     rows = features(*constant[:3], used=pairs.used)
 
-    def make(sigma: Float[Array, ""]) -> Solver:
-        return SOLVERS[options.solver](Criterion(rows, sigma), limits, options.line_search)
+    starts = _starts(constant, scales, v0s, options)
+    raised = lift(constant)
 
-    by_start = jax.vmap(answered, (None, None, 0))
-    by_sigma = jax.vmap(by_start, (None, 0, 0))
+    def make(sigma: Float[Array, ""]) -> Solver:
+        solver = SOLVERS[options.solver](Criterion(rows, sigma), limits, options.line_search)
+        # a normal is given its offset as its lane begins: that too is then done in parallel, and in little memory
+        return solver._replace(init=lambda start: solver.init(start if len(start) == 4 else raised(start, sigma)))
+
+    by_sigma = jax.vmap(jax.vmap(answered, (None, None, 0)), (None, 0, 0))
     if options.continuation:
-        found, lane = _followed(
-            make, constant, scales, _starts(constant, scales[:1] * 0 + scales.max(), v0s, options)[0]
-        )
+        found, lane = _followed(make, constant, scales, starts[jnp.argmax(scales)])
         fits = by_sigma(problem, scaled, found)
         return jax.tree.map(lambda leaf: jax.vmap(lambda row, which: row[which])(leaf, lane), fits)
-    starts = _starts(constant, scales, v0s, options)
-    lanes = jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, 4)
+    lanes = jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, starts.shape[-1])
     found = jax.tree.map(lambda leaf: leaf.reshape(*starts.shape[:2], *leaf.shape[1:]), sharded(make, *lanes))
     return by_sigma(problem, scaled, found)
 
 
 def _starts(
     problem: Problem, scales: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, options: _Options
-) -> Float[Array, "S R 4"]:
-    """The planes to start from at every σ."""
+) -> Float[Array, "S R d"]:
+    """The normals, or the planes (d = 4), to start from at every σ."""
     if options.start == "hypotheses":
         proposed = hypotheses(problem)
         return jax.lax.map(lambda sigma: screened(proposed, problem, sigma, num=options.restarts), scales)
     if v0s is None:
         v0s = NORMALS[options.start or "rga"](problem.x, problem.y, weights=problem.weights)[None]
     v0s = jax.vmap(normalise)(jax.lax.stop_gradient(v0s))
-    lanes = jnp.repeat(scales, len(v0s)), jnp.tile(v0s, (len(scales), 1))
-    raised = lift(problem)
-    lifted = jax.lax.map(lambda lane: raised(lane[1], lane[0]), lanes, batch_size=min(LIFTED, len(lanes[0])))
-    return lifted.reshape(len(scales), len(v0s), 4)
+    return jnp.broadcast_to(v0s[None], (len(scales), *v0s.shape))
 
 
 def _followed(
-    make: Any, problem: Problem, scales: Float[Array, "S"], starts: Float[Array, "R 4"]
+    make: Make, problem: Problem, scales: Float[Array, "S"], starts: Float[Array, "R d"]
 ) -> tuple[Minimum, Int[Array, "S R"]]:
     """The optima of a continuation, from the largest σ to the smallest.
 
@@ -102,9 +97,11 @@ def _followed(
     order = jnp.argsort(-scales)
     proposed = hypotheses(problem)
     num_paths = min(PATHS, len(starts))
-    values = jax.vmap(make(scales[order[0]]).init)(starts)
-    first = distinct(starts, jax.vmap(make(scales[order[0]]).finish)(values).value, num_paths)
-    cosine = jnp.abs(jnp.sum(starts[:, None, :3] * starts[None, first, :3], axis=2))
+    solver = make(scales[order[0]])
+    # no more of them at a time than step together elsewhere: their weights take the memory
+    begun = jax.lax.map(lambda start: solver.finish(solver.init(start)), starts, batch_size=min(WIDTH, len(starts)))
+    first = distinct(begun.point, begun.value, num_paths)
+    cosine = jnp.abs(jnp.sum(begun.point[:, None, :3] * begun.point[None, first, :3], axis=2))
     path = jnp.argmax(cosine, axis=1)
 
     def follow(paths: Float[Array, "K 4"], sigma: Float[Array, ""]) -> tuple[Array, tuple[Minimum, Array]]:
@@ -114,7 +111,7 @@ def _followed(
         best = num_paths + jnp.argmin(value[num_paths:])
         return found.point[:num_paths], (found, jnp.where(value[path] <= value[best], path, best))
 
-    _, followed = jax.lax.scan(follow, starts[first], scales[order])
+    _, followed = jax.lax.scan(follow, begun.point[first], scales[order])
     back = jnp.argsort(order)
     return jax.tree.map(lambda leaf: leaf[back], followed)
 

@@ -10,6 +10,7 @@ import pytest
 
 import symjax
 from symjax import cli, pipeline
+from symjax.cli.progress import CHECKING
 from symjax.detection import Candidate, Detection, Pairs
 from symjax.errors import ComponentsWarning, DegenerateCloudError
 from symjax.files.pointfile import read_points, write_points
@@ -254,10 +255,26 @@ def test_progress_names_the_stages_on_a_terminal_unless_quiet(run, fake, scan, m
 
 
 def test_progress_is_a_plain_line_a_stage_where_stderr_is_no_terminal(run, fake, scan):
-    assert run("detect", scan)[2].splitlines() == [
-        f"symjax: {stage} ..." for stage in STAGES if stage not in cli.CHECKING
-    ]
+    assert run("detect", scan)[2].splitlines() == [f"symjax: {stage} ..." for stage in STAGES if stage not in CHECKING]
     assert run("detect", scan, "--quiet")[2] == ""
+
+
+def test_compiled_programs_are_kept_only_if_asked(run, fake, scan, monkeypatch):
+    kept = []
+    monkeypatch.setattr("symjax.compilation.enable_compilation_cache", lambda: kept.append(True))
+    assert run("detect", scan)[0] == 0
+    assert kept == []
+    assert run("detect", scan, "--cache")[0] == 0
+    assert kept == [True]
+
+
+def test_a_cache_that_cannot_be_made_is_one_line(run, fake, scan, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("SYMJAX_CACHE", str(tmp_path / "file" / "cache"))
+    status, out, err = run("detect", scan, "--cache")
+    assert (status, out) == (2, "")
+    assert err.startswith("symjax: error: cannot keep compiled programs (--cache)")
+    assert err.count("\n") == 1
 
 
 def test_no_arguments_show_the_help(run):

@@ -10,15 +10,25 @@ import pytest
 
 from experiments import report
 
+ONE_OBJECT = ["--objects", "1", "--num-points", "300", "--methods", "pca", "--jobs", "1"]
+
 TINY = {
     "ablation": ["--conditions", "both", "--stages", "nothing,neutral rim"],
+    "arena": ONE_OBJECT,
     "articulated": ["--num-points", "3000"],
     "calibration": ["--conditions", "clean", "--data", "absent"],
+    "completion": ["--kinds", "quadruped", "--num-points", "800", "--methods", "robust"],
     "coverage": ["--clouds", "2"],
     "deviation": ["--trials", "2"],
     "equivariance": ["--kinds", "1", "--methods", "robust"],
+    "growth": ["--sizes", "300,600", "--methods", "pca,3dsymm-all"],
+    "gte_sde": ONE_OBJECT,
     "landscape": [],
+    "missing": ONE_OBJECT,
+    "outliers": ONE_OBJECT,
+    "partial_scans": ONE_OBJECT,
     "planted": ["--trials", "2", "--exact-trials", "1"],
+    "precision_recall": ONE_OBJECT,
     "road": ["--kinds", "1", "--data", "absent"],
     "robustness": [
         *("--methods", "robust,sym-hks-cleaned", "--kinds", "1"),
@@ -26,9 +36,17 @@ TINY = {
     ],
     "scale": ["--repeats", "1", "--memory-points", "0"],
     "sphere": [],
+    "sym_hks_ablation": ["--choices", "starts", "--conditions", "out20 dropped", "--num-points", "600"],
+    "start_angle": [
+        *("--angles", "0,60", "--kinds", "1", "--num-points", "800"),
+        *("--conditions", "clean", "--outliers", "0.65"),
+    ],
     "timing": ["--repeats", "1"],
 }
-DRAWN = ("articulated", "deviation", "landscape")
+DRAWN = (
+    *("arena", "articulated", "completion", "deviation", "growth", "landscape", "missing"),
+    *("outliers", "precision_recall", "start_angle", "sym_hks_ablation"),
+)
 
 
 @pytest.mark.parametrize("name", TINY)
@@ -42,6 +60,7 @@ def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, ca
     assert {"config", "commit", "versions", "machine", "wall_seconds", "summary"} <= set(about)
     if name in DRAWN:
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+        assert (tmp_path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
     assert f"{name} (small)" in capsys.readouterr().out
 
 
@@ -88,13 +107,15 @@ def test_real_models_are_posed_with_their_planes(models):
             assert abs(plane.signed_distance(middle[None])[0]) < 0.1 * case.diagonal
 
 
-def test_nothing_is_written_where_nothing_was_measured(tmp_path):
+def test_nothing_is_written_where_nothing_was_measured(tmp_path, capsys):
     @dataclasses.dataclass(frozen=True)
     class Config:
         seed: int = 0
 
-    with pytest.raises(SystemExit, match="NOTHING WAS MEASURED"):
+    with pytest.raises(SystemExit) as stop:
         report.main(
             "none.py", "Nothing.", {"full": Config()}, lambda _: [], lambda rows: rows, argv=["--out", str(tmp_path)]
         )
+    assert stop.value.code == report.NOT_MEASURED
+    assert "NOTHING WAS MEASURED" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -17,7 +17,11 @@ WITHOUT_JAX = (
     *("robust.surface", "robust.viewpoint", "robust.lattice", "robust.hypotheses", "robust.evidence", "robust.patches"),
     *("symhks.spectrum", "symhks.signatures", "symhks.keypoints", "symhks.matching", "symhks.correspondences"),
 )
-ESTIMATOR = ("sphere", "objective", "linesearch", "bfgs", "alternation", "implicit", "initial", "fit")
+ESTIMATOR = (
+    *("sphere", "objective", "features", "criterion", "jacobi", "implicit", "initial", "pairs", "problem", "screening"),
+    *("answer", "scale", "fit", "fitting", "sweeping", "solvers.linesearch", "solvers.bfgs", "solvers.alternation"),
+    *("solvers.newton", "solvers.reweighting", "solvers.solver", "solvers.lanes", "solvers.names"),
+)
 BRIDGE = (
     *("pipeline", "detection", "robust.registration", "robust.search", "robust.polish", "robust.method"),
     *("symhks.search", "symhks.method"),

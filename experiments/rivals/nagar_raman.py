@@ -11,8 +11,9 @@ from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
+from experiments.rivals.pca import principal_axes
 from experiments.rivals.ranking import Ranking, framed
-from experiments.rivals.three_d_symm import Match, ended, principal_axes
+from experiments.rivals.three_d_symm import Match, ended
 
 
 def find(

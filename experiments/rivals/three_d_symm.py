@@ -14,6 +14,7 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.rivals.least_squares import least_squares
+from experiments.rivals.pca import principal_axes
 from experiments.rivals.ranking import Frame, Ranking, distinct, framed, plane_distance, reflect
 from symjax.sphere import fibonacci
 
@@ -107,11 +108,6 @@ def nearest(points: Float[np.ndarray, "n 3"]) -> Match:
     """Matches mirror images with the nearest points of a cloud."""
     tree = KDTree(points)
     return lambda image: points[tree.query(image)[1]]
-
-
-def principal_axes(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]:
-    """Unit eigenvectors of the covariance, one a row."""
-    return np.linalg.eigh(np.cov(points, rowvar=False))[1].T
 
 
 def half_sphere() -> Float[np.ndarray, "26 3"]:

@@ -30,11 +30,12 @@ END_SECONDS = 10.0
 
 ONE_THREAD = (
     *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"),
-    "NPROC",
+    *("NUMBA_NUM_THREADS", "NPROC"),
 )
-"""What BLAS and, the last, JAX take the number of their threads from.
+"""What BLAS, Numba and, the last, JAX take the number of their threads from.
 
-Sums of floats depend on how threads share them, and times on the threads of the other tasks.
+Sums of floats depend on how threads share them, and times on the threads of the other tasks; those of Numba wait by
+spinning.
 """
 
 

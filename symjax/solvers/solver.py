@@ -38,7 +38,7 @@ class Limits(NamedTuple):
         tol: bound on the norm of the Riemannian gradient.
     """
 
-    max_steps: Int[Array, ""]
+    max_steps: Int[Array, ""] | int
     tol: Float[Array, ""]
 
 

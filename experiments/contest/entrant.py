@@ -1,0 +1,115 @@
+"""The objects of a benchmark by name and number, each with a dense sample of its whole surface.
+
+`procedural` is the generated benchmark. Of the others, which are read from a folder, the numbers count what their
+loader gives; objects without a listed plane are left out.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.benchmarks import folder, funk, procedural, shapenet, shrec2016, shrec2023, ycb
+from experiments.benchmarks.absence import DataAbsentError
+from experiments.benchmarks.procedural import Procedural
+from experiments.benchmarks.shape import Shape
+from experiments.clouds import MODELS, Case
+
+DENSE = 30_000
+"""Points of the dense sample: what `scores.sde.cloud_sde` asks for."""
+
+PROCEDURAL = "procedural"
+
+LOADERS: dict[str, Callable[[Path], Iterator[Shape]]] = {
+    "real": folder.load,
+    "folder": folder.load,
+    "funk": funk.load,
+    "shapenet": shapenet.load,
+    "shrec2016": shrec2016.load,
+    "shrec2023": shrec2023.load,
+    "ycb": ycb.load,
+}
+"""`real` is the folder of models beside the project."""
+
+NAMES = (PROCEDURAL, *LOADERS)
+
+TITLES = {PROCEDURAL: procedural.NAME, "real": "the shared real models"}
+"""What tables call those whose name does not say it."""
+
+
+class Entrant(NamedTuple):
+    """An object that methods compete on.
+
+    Attributes:
+        case: posed and whole, with the planes that are right.
+        dense: another sample of the same surface, none of it among the points of the case; empty where the benchmark is
+            of clouds with no more points.
+    """
+
+    case: Case
+    dense: Float[np.ndarray, "m 3"]
+
+
+def _shapes(benchmark: str, data: str) -> Iterator[Shape]:
+    return LOADERS[benchmark](Path(data) if data else MODELS if benchmark == "real" else Path())
+
+
+class _Shelf:
+    """The shapes of a loader, walked forwards: tasks ask for them in rising order, and reading one takes a while."""
+
+    def __init__(self, benchmark: str, data: str) -> None:
+        self._load = lambda: _shapes(benchmark, data)
+        self._shapes, self._next = self._load(), 0
+
+    def shape(self, item: int) -> Shape:
+        if item < self._next:
+            self._shapes, self._next = self._load(), 0
+        shape = next(islice(self._shapes, item - self._next, None))
+        self._next = item + 1
+        return shape
+
+
+_shelf = lru_cache(maxsize=1)(_Shelf)
+
+
+def items(benchmark: str, data: str, most: int) -> list[int]:
+    """Numbers of the first objects that have a plane; none, and said loudly, where the real models are absent.
+
+    Raises:
+        DataAbsentError: another benchmark is not in its folder.
+        FileFormatError: a file is malformed.
+    """
+    if benchmark == PROCEDURAL:
+        return list(range(min(most, procedural.NUM_OBJECTS)))
+    try:
+        with_plane = (k for k, shape in enumerate(_shapes(benchmark, data)) if shape.planes)
+        return list(islice(with_plane, most))
+    except DataAbsentError as error:
+        if benchmark != "real":
+            raise
+        print(f"REAL MODELS ARE ABSENT: {error}\nSkipped.", file=sys.stderr)
+        return []
+
+
+@lru_cache(maxsize=2)
+def entrant(benchmark: str, data: str, item: int, seed: int, num_points: int) -> Entrant:
+    """An object of a benchmark.
+
+    Args:
+        benchmark: one of `NAMES`.
+        data: its folder; by default the present one, and of `real` that of the models.
+        item: its number.
+        seed: of pose and points; of `procedural`, other seeds have other individuals of the same kinds.
+        num_points: points of the case.
+    """
+    drawn = num_points + DENSE
+    if benchmark == PROCEDURAL:
+        whole = Procedural(procedural.SEED + seed, drawn).case(item)
+    else:
+        whole = _shelf(benchmark, data).shape(item).case(drawn, seed)
+    return Entrant(whole._replace(points=whole.points[:num_points]), whole.points[num_points:])
