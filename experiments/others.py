@@ -83,7 +83,7 @@ def with_optimistix(task: Task) -> Lowest:
     solver: Any = optx.BFGS(rtol=task.tol, atol=task.tol)
 
     def one(start: Float[Array, "4"]) -> Float[Array, ""]:
-        solved = optx.minimise(lambda z, _: task.free(z), solver, start, max_steps=task.max_steps, throw=False)
+        solved: Any = optx.minimise(lambda z, _: task.free(z), solver, start, max_steps=task.max_steps, throw=False)
         return task.free(solved.value)
 
     run = jax.jit(lambda starts: jnp.nanmin(jax.vmap(one)(starts)))

@@ -7,6 +7,7 @@ their offsets that it had. All have the same tolerance and limit on steps.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -81,7 +82,7 @@ def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
     normals = fibonacci(config.restarts)
     starts = jax.jit(jax.vmap(lambda v: lift(problem)(v, sigma)))(normals)
     task = others.Task(problem, sigma, starts, config.max_steps, config.tol)
-    options = {"max_steps": config.max_steps, "tol": config.tol}
+    options: dict[str, Any] = {"max_steps": config.max_steps, "tol": config.tol}
     fits = {
         OURS: lambda: fit_global(x, y, config.sigma, **options),
         "sweep, Newton": lambda: best(sweep(x, y, [config.sigma], normals, **options)),

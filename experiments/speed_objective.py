@@ -73,7 +73,8 @@ def run(config: Config) -> list[Row]:
 
 def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
     pairs = planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin")
-    problem = normalised(*(jnp.asarray(end, dtype) for end in (pairs.x, pairs.y)), jnp.ones(config.num_pairs, dtype))
+    x, y = (jnp.asarray(end, dtype) for end in (pairs.x, pairs.y))
+    problem = normalised(x, y, jnp.ones(config.num_pairs, dtype))
     sigma = jnp.asarray(config.sigma, dtype) / problem.radius
     normals = random_points(jax.random.key(config.seed), config.planes).astype(dtype)
     offsets = 0.1 * jax.random.normal(jax.random.key(config.seed + 1), (config.planes, 1), dtype)

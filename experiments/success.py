@@ -125,9 +125,9 @@ def _starts(config: Config) -> Iterator[Row]:
     ways = [(start, "newton") for start in STARTS] + [("fibonacci", solver) for solver in SOLVERS if solver != "newton"]
     for kind, sets in kinds.items():
         for start, solver in tqdm(ways, desc=kind, leave=False, disable=None):
-            key = {"key": jax.random.key(0)} if start == "random" else {}
+            key = jax.random.key(0) if start == "random" else None
             fits = [
-                sweep(p.x, p.y, sigmas, start, restarts=config.restarts, solver=solver, max_steps=500, **key)
+                sweep(p.x, p.y, sigmas, start, restarts=config.restarts, solver=solver, max_steps=500, key=key)
                 for p in sets
             ]
             single = np.stack([_angle(fit, p) < SUCCESS for fit, p in zip(fits, sets, strict=True)])

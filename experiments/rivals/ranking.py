@@ -53,7 +53,7 @@ class Frame(NamedTuple):
         """Planes of this frame as a ranking in the units of the points: sorted by falling score, signs canonical."""
         order = np.argsort(-np.asarray(scores), kind="stable")
         plane = Plane(normals[order], self.length * offsets[order] + normals[order] @ self.centre).canonical()
-        return Ranking(plane.normal, plane.offset, np.asarray(scores)[order])
+        return Ranking(np.asarray(plane.normal), np.asarray(plane.offset), np.asarray(scores)[order])
 
 
 def framed(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, most: int = 5000) -> Frame:
