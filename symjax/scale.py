@@ -31,7 +31,7 @@ PER_SCALE = 4
 SEARCHED = 1024
 """Pairs that it looks at; the last solve takes all."""
 
-LEAST_SUPPORT = 8
+LEAST_SUPPORT = 20
 """Mirror pairs, ρn, below which an optimum is none: three numbers fit any one pair exactly, at σ = 0."""
 
 Data = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, "n"]]

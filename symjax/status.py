@@ -20,7 +20,7 @@ class RESULTS(Enumeration):
         "Not converged: max_steps was reached with the gradient above tol. Raise max_steps, or start nearer (v0)."
     )
     stalled: Any = (
-        "Not converged: the line search found no lower loss with the gradient above tol. "
+        "Not converged: no lower loss was found with the gradient above tol. "
         "The tolerance may be below the rounding of the points in their precision: raise tol or use float64."
     )
     flat: Any = (

@@ -20,8 +20,8 @@ def smooth():
     return tuple(map(jnp.asarray, (p.x, p.y, 0.1, w)))
 
 
-def outputs(v0, x, y, sigma, weights):
-    fit = fit_plane(x, y, sigma, v0, weights=weights)
+def outputs(v0, x, y, sigma, weights, solver="newton"):
+    fit = fit_plane(x, y, sigma, v0, weights=weights, solver=solver)
     return jnp.concatenate([fit.plane.normal, fit.plane.offset[None], fit.loss[None]])
 
 
@@ -36,21 +36,41 @@ def answer(v0):
     return jax.jit(partial(outputs, v0))
 
 
-def test_derivatives_are_those_of_central_differences(smooth, answer):
+@pytest.fixture(scope="module")
+def tangents(smooth):
     key = jax.random.split(jax.random.key(0), 4)
-    tangents = tuple(jax.random.normal(k, a.shape) * jnp.mean(jnp.abs(a)) for k, a in zip(key, smooth, strict=True))
+    return tuple(jax.random.normal(k, a.shape) * jnp.mean(jnp.abs(a)) for k, a in zip(key, smooth, strict=True))
+
+
+def central_difference(answer, values, tangent, step=1e-5):
+    high, low = (answer(*(a + s * t for a, t in zip(values, tangent, strict=True))) for s in (step, -step))
+    return np.asarray((high - low) / (2 * step))
+
+
+def assert_close(derivative, expected, relative):
+    """Relative to each entry, or to the length of the plane's derivative where that is larger."""
+    scale = np.maximum(np.abs(expected), np.linalg.norm(expected[:4]))
+    assert (np.abs(derivative - expected) <= relative * scale).all()
+
+
+def test_derivatives_are_those_of_central_differences(smooth, tangents, answer):
     forward = jax.jit(lambda *t: jax.jvp(answer, smooth, t)[1])
     reverse = jax.jit(jax.jacrev(answer, argnums=(0, 1, 2, 3)))(*smooth)
     for k in range(4):  # x, y, sigma and weights one at a time
         tangent = tuple(t if k == j else jnp.zeros_like(t) for j, t in enumerate(tangents))
-        step = 1e-5
-        high, low = (answer(*(a + s * t for a, t in zip(smooth, tangent, strict=True))) for s in (step, -step))
-        expected = np.asarray((high - low) / (2 * step))
-        scale = np.maximum(np.abs(expected), np.linalg.norm(expected[:4]))
         by_jvp = forward(*tangent)
-        assert (np.abs(by_jvp - expected) <= 1e-6 * scale).all()
+        assert_close(by_jvp, central_difference(answer, smooth, tangent), 1e-6)
         by_vjp = jnp.sum(reverse[k] * tangent[k][None], axis=tuple(range(1, reverse[k].ndim)))
-        np.testing.assert_allclose(by_vjp, by_jvp, atol=1e-10 * scale.max())
+        np.testing.assert_allclose(by_vjp, by_jvp, atol=1e-10 * np.abs(by_jvp).max())
+
+
+@pytest.mark.parametrize(("solver", "relative"), [("mm", 1e-6), ("joint", 1e-6), ("alternating", 1e-5)])
+def test_every_solver_has_the_derivatives_of_the_answer(smooth, tangents, v0, answer, solver, relative):
+    """They are taken at its own answer, which is known as well as its tolerance."""
+    compiled = jax.jit(lambda values, tangents: jax.jvp(partial(outputs, v0, solver=solver), values, tangents))
+    out, derivative = compiled(smooth, tangents)
+    np.testing.assert_allclose(out, answer(*smooth), rtol=relative, atol=1e-7)
+    assert_close(derivative, central_difference(answer, smooth, tangents), relative)
 
 
 def test_derivatives_ignore_the_start_and_its_sign(smooth, v0):

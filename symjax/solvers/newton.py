@@ -18,7 +18,7 @@ LEAST_CURVATURE = 1e-9  # of a direction: the trust region bounds the step anywa
 DECREASE = 1e-4  # share of the predicted decrease that a step must bring
 POOR, GOOD = 0.25, 0.75  # shares at which the trust region shrinks and grows
 FAR_SHARE = 0.25  # an MM step of this share of the Newton step is preferred where ψ curves down
-ROUNDING = 4.0  # units of rounding, of ψ or 1, within which two values are equal
+ROUNDING = 32.0  # units of rounding, of ψ or 1, within which two values are equal: exponents are sums of larger terms
 
 
 class State(NamedTuple):
