@@ -18,13 +18,12 @@
 # to within a distance σ: the optimum of a robust criterion named L2E.
 #
 # An optimiser finds that plane, and yet it is a differentiable function of what went in. At an optimum the gradient of
-# the criterion is zero whatever the pairs are, and that says how the optimum moves when they move (the implicit function
-# theorem): one 3 × 3 solve, no step of the optimiser unrolled. So a fit can stand in the middle of something that is
-# itself trained or optimised. Everything below is simulated, so that the truth is known.
+# the criterion is zero whatever the pairs are, and that says how the optimum moves when they move (the implicit
+# function theorem): one 3 × 3 solve, no step of the optimiser unrolled. So a fit can stand in the middle of something
+# that is itself trained or optimised. Everything below is simulated, so that the truth is known.
 
 # %%
 from functools import partial
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -89,10 +88,9 @@ plt.show()
 # %% [markdown]
 # ## Gradient descent, from coarse to fine
 #
-# A derivative has a blind spot that matters here: it says how the plane moves, not that another one, elsewhere, is
-# about to become the best. Where σ is large the criterion is smooth and has few optima to jump between; where it is
-# small the plane is exact. So both descents go from a large σ to a small one. Their steps have a given length: the
-# gradient is tiny where the plane is far from all that should pull at it.
+# A derivative has a blind spot: it says how the plane moves, not that another one, elsewhere, is about to be the best.
+# Where σ is large the criterion is smooth and has few optima to jump between; where it is small the plane is exact. So
+# both descents go from a large σ to a small one, in steps of a given length, for the gradient itself may be tiny.
 
 
 # %%
@@ -109,9 +107,8 @@ def descend(slope, start, *, sigmas, length, num_steps):
 # %% [markdown]
 # ## Learning which pairs to trust
 #
-# Pairs come from comparing descriptions of points, and a matcher knows more than the pair: how far apart the two
-# descriptions were, whether a second candidate was nearly as good. How much should each count? We want good planes, so
-# let the planes say it.
+# Pairs come from comparing descriptors of points, and a matcher knows more than the pair: how far apart the two were,
+# whether a second candidate was nearly as good. How much should that count? We want good planes: let the planes say it.
 #
 # A simulated matcher: 30 % of the pairs are right; 45 % agree on *another* plane, 10° to 40° off, as where an object is
 # nearly symmetric in two ways; 25 % are random. Wrong pairs have a somewhat larger descriptor distance, and somewhat
@@ -122,15 +119,8 @@ def descend(slope, start, *, sigmas, length, num_steps):
 NUM_PAIRS, SIGMA = 200, 0.1
 
 
-class Cloud(NamedTuple):  # of putative pairs; the right plane is through the origin
-    x: np.ndarray
-    y: np.ndarray
-    features: np.ndarray
-    right: np.ndarray
-    normal: np.ndarray
-
-
 def matched(rng):
+    """Pairs (x, y), their features, which of them are right, and the normal of the right plane; it contains 0."""
     normal, beside, _ = random_orthogonal(rng)
     tilt = np.radians(rng.uniform(10, 40))
     other = symjax.Plane(np.cos(tilt) * normal + np.sin(tilt) * beside, 0.1 * rng.normal())
@@ -141,12 +131,12 @@ def matched(rng):
     right = draw[:, 0] < 0.3
     distance, rival = 0.5 * rng.normal(size=NUM_PAIRS) + 0.4 * ~right, rng.normal(size=NUM_PAIRS) + 0.6 * ~right
     features = np.stack([distance, 1 / (1 + np.exp(-rival)), rng.normal(size=NUM_PAIRS)], axis=1)
-    return Cloud(x, y, features, right, normal)
+    return x, y, features, right, normal
 
 
 def clouds(seed, num_clouds):
     rng = np.random.default_rng(seed)
-    return jax.tree.map(lambda *arrays: jnp.stack(arrays), *[matched(rng) for _ in range(num_clouds)])
+    return [jnp.stack(arrays) for arrays in zip(*[matched(rng) for _ in range(num_clouds)], strict=True)]
 
 
 # %% [markdown]
@@ -163,33 +153,33 @@ def confidence(model, features):
 @jax.jit
 @partial(jax.grad, has_aux=True)
 def mean_error(model, sigma, training):
-    def error(cloud):
-        weights = confidence(model, cloud.features)
-        plane = symjax.fit_global(cloud.x, cloud.y, sigma, weights=weights, num_hypotheses=64, num_polished=4).plane
-        return jnp.sum(jnp.cross(plane.normal, cloud.normal) ** 2) + plane.offset**2
+    def error(x, y, features, _, normal):
+        weights = confidence(model, features)
+        plane = symjax.fit_global(x, y, sigma, weights=weights, num_hypotheses=64, num_polished=4).plane
+        return jnp.sum(jnp.cross(plane.normal, normal) ** 2) + plane.offset**2
 
-    errors = jax.vmap(error)(training)
+    errors = jax.vmap(error)(*training)
     return jnp.mean(errors), errors
 
 
 @jax.jit
 def degrees_off(weights):
-    fits = jax.vmap(lambda x, y, w: symjax.fit_global(x, y, SIGMA, weights=w))(test.x, test.y, weights)
-    return fits.plane.angle(symjax.Plane(test.normal, jnp.zeros(len(test.x))))
+    fits = jax.vmap(lambda x, y, w: symjax.fit_global(x, y, SIGMA, weights=w))(*test[:2], weights)
+    return fits.plane.angle(symjax.Plane(test[-1], jnp.zeros(len(weights))))
 
 
 test = clouds(1000, 100)
-off = {"equal weights": degrees_off(jnp.ones(test.right.shape)), "right pairs only": degrees_off(1.0 * test.right)}
+features, right = test[2:4]
+off = {"equal weights": degrees_off(jnp.ones(right.shape)), "right pairs only": degrees_off(1.0 * right)}
 for name, first_sigma in (("learned", 0.6), ("learned at small σ", SIGMA)):
     for seed in range(1, 5):
         slope = partial(mean_error, training=clouds(seed, 32))
         model = descend(slope, np.zeros(4), sigmas=(first_sigma, SIGMA), length=0.5, num_steps=25)
-        off[f"{name}, seed {seed}"] = degrees_off(confidence(model, test.features))
+        off[f"{name}, seed {seed}"] = degrees_off(confidence(model, features))
         print(f"{name}, seed {seed}: distance, rival, noise, constant", model.round(1))
 
 # %% [markdown]
-# The test: 100 clouds that no training saw. All models give the noise the least weight. Knowing which pairs are right
-# would be better still. Without the way from coarse to fine the result hangs on the seed.
+# The test: 100 clouds that no training saw. Without the way from coarse to fine the result hangs on the seed.
 
 # %%
 fig, ax = plt.subplots(figsize=(6, 3))
@@ -210,8 +200,8 @@ plt.show()
 # deformation makes it symmetric again?
 #
 # The points move along a smooth field of velocities for a unit of time. The field is any quadratic polynomial of the
-# place: 18 numbers, which know no spine and no bending. The bend is a field of this kind, in an unknown pose, and so can
-# be undone. What is minimised is the L2E criterion at its own optimum, the plane fitted anew in every step.
+# place: 18 numbers, which know no spine and no bending. The bend is a field of this kind, in an unknown pose, so that
+# it can be undone. What is minimised is the L2E criterion at its own optimum, the plane fitted anew in every step.
 
 # %%
 FIRST, SECOND = np.triu_indices(3)
@@ -244,8 +234,7 @@ for seed, row in enumerate(axes):
     turn = random_orthogonal(rng)
     x, y = ((deformed(end, BEND) + 0.005 * rng.normal(size=x.shape)) @ turn.T for end in (x, y))
     field = descend(partial(asymmetry, x=x, y=y), np.zeros((6, 3)), sigmas=(0.3, 0.05), length=0.04, num_steps=60)
-    plane = asymmetry(field, 0.05, x, y)[1]
-    degrees = plane.angle(symjax.Plane(jnp.asarray(turn[:, 0]), jnp.zeros(())))
+    degrees = asymmetry(field, 0.05, x, y)[1].angle(symjax.Plane(jnp.asarray(turn[:, 0]), jnp.zeros(())))
     straightened = deformed((bent := deformed(points, BEND)) @ turn.T, field) @ turn
     was, now = (np.sqrt(np.mean(np.sum((shape - points) ** 2, axis=1))) for shape in (bent, straightened))
     print(f"body {seed}: {was:.3f} from the true shape, then {now:.3f}; plane {degrees:.2f} degrees off, in the end")
@@ -257,6 +246,5 @@ for seed, row in enumerate(axes):
 plt.show()
 
 # %% [markdown]
-# Symmetry can say only so much: a deformation that bends both sides alike, a bow for instance, leaves the object as
-# symmetric as it was, and is neither seen nor undone. Nothing pulls at those numbers, and from a start at zero they
-# hardly move.
+# Symmetry can say only so much: what deforms both sides alike, a bow for instance, is neither seen nor undone. Little
+# pulls at those numbers, and from a start at zero they move little.

@@ -38,7 +38,9 @@ def sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]:
     step = jnp.arange(num)
     mass = jnp.cumsum(weights)
     share = (step + (step * _FRACTION) % 1) / num
-    return jnp.minimum(jnp.searchsorted(mass, share.astype(mass.dtype) * mass[-1]), len(weights) - 1)
+    # from the right: a pair of weight 0 adds no mass, and is passed over
+    row = jnp.searchsorted(mass, share.astype(mass.dtype) * mass[-1], side="right")
+    return jnp.minimum(row, len(weights) - 1)
 
 
 def normalised(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"]) -> Problem:

@@ -89,7 +89,9 @@ def hypotheses(problem: Problem, num: int = HYPOTHESES) -> Hypotheses:
     x, y = drawn(problem, num)
     m, h = 0.5 * (x + y), 0.5 * (y - x)
     square = jnp.sum(h * h, axis=1)
-    v = h / jnp.sqrt(jnp.where(square > 0, square, 1))[:, None]
+    # where no pair has a length some plane has to be proposed
+    upright = jnp.asarray([[0, 0, 1]], h.dtype)
+    v = jnp.where((square > 0)[:, None], h / jnp.sqrt(jnp.where(square > 0, square, 1))[:, None], upright)
     usable = (square > 0) & (square >= jnp.quantile(square, SHORT))
     return Hypotheses(jnp.concatenate([v, jnp.sum(v * m, axis=1)[:, None]], axis=1), usable)
 

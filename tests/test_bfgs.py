@@ -114,7 +114,7 @@ def test_float32_stays_float32_and_converges(rng):
         (lambda v: v[0] ** 2, {"max_steps": 1}, "max_steps was reached"),
         (lambda v: v[0] * jnp.nan, {}, "NaN or infinite"),
         # no gradient is below a negative tolerance
-        (lambda v: 1 + jnp.sum(v * jnp.arange(1.0, 4.0)), {"tol": -1.0, "max_steps": 500}, "line search"),
+        (lambda v: 1 + jnp.sum(v * jnp.arange(1.0, 4.0)), {"tol": -1.0, "max_steps": 500}, "no lower loss"),
     ],
     ids=["steps", "nan", "rounding"],
 )

@@ -66,5 +66,3 @@ def test_sigmas_keep_the_order_they_are_given_in(rival, followed):
 def test_every_start_has_a_fit_that_converged(followed):
     assert followed.loss.shape == followed.plane.offset.shape == (8, 64)
     assert followed.converged.all()
-    # the starts are paths that go on apart, not one
-    assert (np.ptp(followed.loss, axis=1) > 0).all()

@@ -17,7 +17,7 @@ from symjax.sweeping import sweep
 def smooth():
     p = planted_pairs(np.random.default_rng(5), 30, 0.4, noise=0.03)
     w = np.random.default_rng(6).uniform(0.5, 1.5, 30)
-    return tuple(map(jnp.asarray, (p.x, p.y, 0.1, w)))
+    return tuple(map(jnp.asarray, (p.x, p.y, np.float64(0.1), w)))
 
 
 def outputs(v0, x, y, sigma, weights, solver="newton"):

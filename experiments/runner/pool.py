@@ -42,9 +42,13 @@ def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator
         futures = as_completed(client.map(_attempt, tasks, limits=limits, pure=False), loop=client.loop)
         for future in futures:
             try:
-                yield future.result()
+                result = future.result()
             except (KilledWorker, CancelledError):
                 lost += 1
+                continue
+            # a result that is kept there would be computed anew if its process were lost
+            future.release()
+            yield result
         client.run(_dismiss, on_error="ignore")
     if lost:
         raise RuntimeError(f"{lost} tasks were lost with the processes of the cluster: run again for them")
