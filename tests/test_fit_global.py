@@ -43,6 +43,14 @@ def test_among_90_per_cent_outliers_of_which_half_follow_a_second_plane(sigma):
         assert_found(fit_global(p.x, p.y, sigma), p)
 
 
+def test_among_more_pairs_than_the_planes_are_polished_on_at_first():
+    for seed in SEEDS:
+        p = planted_pairs(np.random.default_rng(seed), 3 * NUM, 0.95)
+        assert_found(fit_global(p.x, p.y, SIGMA), p)
+        p, _ = structured_pairs(seed, 3 * NUM)
+        assert_found(fit_global(p.x, p.y, 0.02), p)
+
+
 def test_at_a_large_scale_the_second_plane_is_the_better():
     """Nothing but the criterion chooses: this is its optimum there, and it says so."""
     p, (normal, offset) = structured_pairs(0, NUM)
@@ -108,6 +116,19 @@ def test_integer_weights_are_repeated_pairs(pairs):
     once, again = fit_global(pairs.x, pairs.y, SIGMA, weights=counts), fit_global(*repeated, SIGMA)
     same_plane(once.plane, np.asarray(again.plane.normal), float(again.plane.offset), atol=1e-9)
     np.testing.assert_allclose(once.loss, again.loss, rtol=1e-10)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e8, 1e10, 1e25])
+def test_one_wild_pair_moves_nothing(pairs, expected, far):
+    """However far off: its f is so large that its digits are as large as σ."""
+    rng = np.random.default_rng(6)
+    for _ in range(8):
+        x, y = pairs.x.copy(), pairs.y.copy()
+        x[0], y[0] = far * rng.normal(size=(2, 3))
+        fit = fit_global(x, y, SIGMA)
+        assert fit.converged
+        np.testing.assert_allclose(fit.inlier_fraction, expected.inlier_fraction, rtol=0.01)
+        same_plane(fit.plane, np.asarray(expected.plane.normal), float(expected.plane.offset), atol=1e-3)
 
 
 @pytest.mark.core
