@@ -25,6 +25,7 @@ class Problem(NamedTuple):
     radius: Float[Array, ""]
 
 
+REACH = 1e3  # radii from the centre beyond which a coordinate is cut
 SAMPLE = 128  # pairs that the centre and the radius are taken from
 _FRACTION = 0.6180339887498949  # of the golden ratio
 
@@ -57,5 +58,6 @@ def normalised(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Ar
     median = jnp.median(distance)
     radius = jnp.where(median > 0, median, jnp.max(distance))
     radius = jnp.where(radius > 0, radius, 1)
-    scaled = [(end - centre[None, :]) / radius for end in (x, y)]
+    # farther off no pair has a weight, but its f would be rounded by more than σ²: the features are its squares
+    scaled = [jnp.clip((end - centre[None, :]) / radius, -REACH, REACH) for end in (x, y)]
     return Problem(scaled[0], scaled[1], weights / jnp.mean(weights), centre, radius)
