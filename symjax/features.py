@@ -16,7 +16,7 @@ from jaxtyping import Array, Float, Int
 from symjax.objective import Pairs, Scalar, Vector
 
 TILE = 1024  # pairs of one product: the weights of a few hundred planes on them stay in a core's cache
-FAR = 1e6  # ‖h‖² of a pair that counts nothing: at unit radius its weight is exactly 0 for any σ below 100
+FAR = 1e6  # ‖h‖² of a pair of weight 0: far enough that its exponent is not the largest, which is taken out
 NUM_LINEAR = 10  # features that carry the plane; the eleventh, ‖h‖², has the coefficient 1
 
 ROWS, COLUMNS = np.array([0, 1, 2, 0, 0, 1], np.int32), np.array([0, 1, 2, 1, 2, 2], np.int32)

@@ -184,8 +184,8 @@ def fit_global(
     """Fits the best mirror plane of putative pairs by the L2E estimator: no start is needed.
 
     Every pair is a hypothesis (its own mirror plane); all are ranked by the criterion on a sample of the pairs, near
-    duplicates are left out, and the best few are polished by Newton's method on all pairs. Pure JAX, with the
-    derivatives of `fit_plane`.
+    duplicates are left out, the best few are polished for a few steps of Newton's method, on a sample where there are
+    many pairs, and the best of those to its end on all. Pure JAX, with the derivatives of `fit_plane`.
 
     Args:
         x: one end of every pair.
@@ -198,7 +198,7 @@ def fit_global(
         tol: bound on the gradient, see `fit_plane`.
 
     Returns:
-        The fit of lowest loss; `num_steps` is its own.
+        The fit of lowest loss; `num_steps` are its last ones, on all pairs.
 
     Raises:
         SymjaxError: see `fit_plane`.

@@ -54,6 +54,8 @@ def solve_lanes(make: Make, parameters: Parameters, starts: Float[Array, "lanes 
         return jax.vmap(alone)(parameters, starts)
     width = min(WIDTH, -(-num // REFILL) * REFILL)
 
+    finish = jax.vmap(lambda parameters, state: make(parameters).finish(state))
+
     def of(lane: Int[Array, "k"]) -> Parameters:
         return jax.tree.map(lambda leaf: leaf[jnp.minimum(lane, num - 1)], parameters)
 
@@ -65,8 +67,8 @@ def solve_lanes(make: Make, parameters: Parameters, starts: Float[Array, "lanes 
         return (lane < num) & jax.vmap(lambda parameters, state: make(parameters).going(state))(of(lane), state)
 
     def write(slots: _Slots) -> Minimum:
-        finished = jax.vmap(lambda parameters, state: make(parameters).finish(state))(of(slots.lane), slots.state)
-        return jax.tree.map(lambda all_, new: all_.at[slots.lane].set(new, mode="drop"), slots.found, finished)
+        new = finish(of(slots.lane), slots.state)
+        return jax.tree.map(lambda whole, part: whole.at[slots.lane].set(part, mode="drop"), slots.found, new)
 
     def run(slots: _Slots, until: Int[Array, ""] | int) -> _Slots:
         """Steps until at most so many lanes go on."""
@@ -100,7 +102,6 @@ def solve_lanes(make: Make, parameters: Parameters, starts: Float[Array, "lanes 
 
     lane = jnp.arange(width)
     state = init(lane)
-    finish = jax.vmap(lambda parameters, state: make(parameters).finish(state))
     found = jax.tree.map(blank, jax.eval_shape(finish, of(lane), state))
     slots = _Slots(lane, state, jnp.asarray(width), found)
     # one round more than there are lanes to begin: it runs until the stragglers fit into REFILL slots
