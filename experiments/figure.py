@@ -16,5 +16,5 @@ def new(width: float, height: float) -> "Figure":
 
 def save(figure: "Figure", path: Path) -> None:
     """Writes `NAME.png` and `NAME.pdf`; the same figure gives the same bytes."""
-    figure.savefig(path.with_suffix(".png"), dpi=150)
+    figure.savefig(path.with_suffix(".png"), dpi=110)
     figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})

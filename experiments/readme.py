@@ -1,10 +1,8 @@
 """The page of the experiments, from what they wrote: the same files give the same page."""
 
 import ast
-import csv
 import json
 import os
-from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -17,8 +15,8 @@ This page is written by `python -m experiments.all` from the files of the script
 
 Each script prints a table, with the paper's number or the target beside ours where there is one. It writes its rows as
 CSV, the table as Markdown, the figure, if it has one, as PNG and PDF, and how they came about (command, commit,
-versions, seed, machine, time) as JSON into `experiments/out`. Run them in the checkout, with `pip install ".[test]"`
-(or `".[experiments]"`):
+versions, seed, machine, time) as JSON into `experiments/out`; tables, figures and provenance are kept in the
+repository. Run them in the checkout, with `pip install ".[test]"` (or `".[experiments,arena]"`):
 
 ```sh
 python -m experiments.planted               # full size
@@ -66,7 +64,7 @@ def page(out: Path, folder: Path, missing: Mapping[str, str]) -> str:
 
 
 def _is_there(out: Path, name: str) -> bool:
-    return script(name).is_file() and all((out / f"{name}{suffix}").is_file() for suffix in (".json", ".csv"))
+    return script(name).is_file() and all((out / f"{name}{suffix}").is_file() for suffix in (".json", ".md"))
 
 
 def _docstring(name: str) -> tuple[str, str]:
@@ -83,8 +81,8 @@ def _paper(name: str) -> str:
 def _section(name: str, out: Path, links: str) -> str:
     about = json.loads((out / f"{name}.json").read_text(encoding="utf-8"))
     first, more = _docstring(name)
-    parts = [f"## {name}", first, more, f"```sh\n{about['command']}\n```", _data(name, out, about)]
-    parts.append(_table(name, out, about))
+    parts = [f"## {name}", first, more, f"```sh\n{about['command']}\n```", _data(name, about)]
+    parts.append(_table(name, out))
     png, pdf = f"{name}.png", f"{name}.pdf"
     if (out / png).is_file():
         also = f" ([PDF]({links}/{pdf}))" if (out / pdf).is_file() else ""
@@ -92,18 +90,15 @@ def _section(name: str, out: Path, links: str) -> str:
     return "\n\n".join(part for part in [*parts, _provenance(about)] if part)
 
 
-def _table(name: str, out: Path, about: Row) -> str:
-    """The table, with the sentences that the experiment wrote under it; results of old have none."""
-    path = out / f"{name}.md"
-    return path.read_text(encoding="utf-8").strip() if path.is_file() else markdown(about["summary"])
+def _table(name: str, out: Path) -> str:
+    """The table, with the sentences that the experiment wrote under it."""
+    return (out / f"{name}.md").read_text(encoding="utf-8").strip()
 
 
-def _data(name: str, out: Path, about: Row) -> str:
+def _data(name: str, about: Row) -> str:
     """What it says of its data, and of how many models of every group its rows are."""
     text = f"Data: {CONTENTS[name].data}."
-    with (out / f"{name}.csv").open(newline="", encoding="utf-8") as file:
-        models = {(row["group"], row.get("model") or row.get("name")) for row in csv.DictReader(file) if "group" in row}
-    groups = Counter(group for group, _ in sorted(models))
+    groups = about["models"]
     if groups:
         text += " Models: " + "; ".join(f"{count} {group}" for group, count in groups.items()) + "."
     if about["config"].get("data") and groups and all(group.startswith("generated") for group in groups):

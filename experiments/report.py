@@ -8,6 +8,7 @@ import os
 import platform
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -69,7 +70,8 @@ def main(
     out.mkdir(parents=True, exist_ok=True)
     write_rows(rows, out / f"{name}.csv")
     about = provenance(command, config, size, started, seconds)
-    (out / f"{name}.json").write_text(json.dumps({**about, "summary": lines}, indent=1, default=_plain) + "\n")
+    about |= {"models": models(rows), "summary": lines}
+    (out / f"{name}.json").write_text(json.dumps(about, indent=1, default=_plain) + "\n", encoding="utf-8")
     (out / f"{name}.md").write_text(markdown(lines) + "\n", encoding="utf-8")
     if draw is not None:
         draw(config, rows, out / f"{name}.png")
@@ -98,6 +100,12 @@ def write_rows(rows: list[Row], path: Path) -> None:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
+
+
+def models(rows: list[Row]) -> dict[str, int]:
+    """How many models of every group the rows are of."""
+    named = {(row["group"], row.get("model") or row.get("name")) for row in rows if "group" in row}
+    return dict(Counter(group for group, _ in sorted(named)))
 
 
 def provenance(command: str, config: Any, size: str, started: datetime, seconds: float) -> Row:

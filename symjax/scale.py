@@ -21,6 +21,7 @@ from symjax.screening import Hypotheses, screened
 from symjax.solvers.newton import newton
 from symjax.solvers.solver import Limits, Minimum, solve
 from symjax.sphere import SPHERE_LINE
+from symjax.status import RESULTS
 
 GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
 """Scales that the search begins with, in radii."""
@@ -108,10 +109,12 @@ def answered_with_scale(problem: Problem, minimum: Minimum) -> Fit:
     sigma = jnp.exp(z[4])
     share = jnp.exp(1.5 * z[4] - value)
     loss = -((share / (2 * math.pi * sigma**2) ** 1.5) ** 2) * (4 * math.pi * sigma**2) ** 1.5
+    support = FRACTION * share * jnp.sum(weights > 0)
+    lacking = (minimum.result == RESULTS.successful) & (support < LEAST_SUPPORT)
     return Fit(
         plane=given_plane(z[:3], z[3], problem),
         loss=loss / radius**3,
-        result=minimum.result,
+        result=RESULTS.where(lacking, RESULTS.unsupported, minimum.result),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
         sigma=sigma * radius,

@@ -28,6 +28,10 @@ class RESULTS(Enumeration):
         "no pair supports the plane. Raise sigma, or start elsewhere (v0)."
     )
     nonfinite: Any = "Not converged: the loss or its gradient is NaN or infinite. Check the pairs and sigma."
+    unsupported: Any = (
+        "Not enough mirror pairs: with sigma estimated, fewer than 20 pairs support the plane, and so few agree with "
+        "some plane by chance. Give sigma, or more pairs."
+    )
 
 
 _MEMBERS: list[Any] = [
@@ -36,6 +40,7 @@ _MEMBERS: list[Any] = [
     RESULTS.stalled,
     RESULTS.flat,
     RESULTS.nonfinite,
+    RESULTS.unsupported,
 ]
 _LOOKUP: Any = RESULTS
 _SENTENCES = np.asarray([_LOOKUP[member] for member in _MEMBERS])

@@ -9,7 +9,7 @@ from experiments import readme, report
 from experiments.contents import CONTENTS, script
 
 
-def left(out, name, *, lines, config=None, rows="what\n1\n", figures=()):
+def left(out, name, *, lines, config=None, models=None, figures=()):
     """Files as an experiment leaves them."""
     about = {
         "command": f"python -m experiments.{name} --size small",
@@ -20,10 +20,11 @@ def left(out, name, *, lines, config=None, rows="what\n1\n", figures=()):
         "machine": {"system": "Linux", "cpu": "a processor", "cores": 2},
         "started": "2026-01-02T03:04:05+00:00",
         "wall_seconds": 61.7,
+        "models": models or {},
         "summary": lines,
     }
     (out / f"{name}.json").write_text(json.dumps(about))
-    (out / f"{name}.csv").write_text(rows)
+    (out / f"{name}.md").write_text(report.markdown(lines))
     for suffix in figures:
         (out / f"{name}{suffix}").write_bytes(b"picture")
 
@@ -65,12 +66,16 @@ def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
 
 
 def test_models_are_counted_and_absent_ones_said_loudly(tmp_path):
-    rows = "group,model,seed\ngenerated,chair,0\ngenerated,chair,1\ngenerated,car,0\n"
-    left(tmp_path, "road", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, rows=rows)
+    rows = [
+        {"group": "generated", "model": model, "seed": seed} for model, seed in (("chair", 0), ("chair", 1), ("car", 0))
+    ]
+    of = report.models(rows)
+    left(tmp_path, "road", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=of)
     text = section(readme.page(tmp_path, tmp_path, {}), "road")
     assert "Models: 2 generated. THE REAL MODELS WERE ABSENT." in text
     assert "seeds 2" in text
-    left(tmp_path, "road", lines=[{"value": 1}], config={"data": "folder"}, rows=rows + "exact,spot,0\n")
+    of = report.models([*rows, {"group": "exact", "model": "spot", "seed": 0}])
+    left(tmp_path, "road", lines=[{"value": 1}], config={"data": "folder"}, models=of)
     text = section(readme.page(tmp_path, tmp_path, {}), "road")
     assert "Models: 1 exact; 2 generated." in text
     assert "ABSENT" not in text

@@ -148,3 +148,19 @@ def test_only_newton_estimates(monkeypatch, solver):
         fit_plane(np.eye(3), np.eye(3)[::-1], "auto", solver=solver)
     with pytest.raises(InvalidArgumentError, match="or 'auto', not 'Auto'"):
         fit_plane(np.eye(3), np.eye(3)[::-1], "Auto")
+
+
+@pytest.mark.parametrize("num_pairs", [3, 8, 15])
+def test_few_pairs_are_no_convergence(num_pairs):
+    p = planted_pairs(np.random.default_rng(0), num_pairs, 0.0)
+    fit = estimated(p.x, p.y)
+    assert not fit.converged
+    assert "fewer than 20" in fit.message
+
+
+def test_no_plane_on_a_handful_of_many_pairs_is_a_convergence():
+    for seed in range(6):
+        p = planted_pairs(np.random.default_rng(seed), 200, 0.8)
+        fit = estimated(p.x, p.y)
+        assert fit.converged == (fit.inlier_fraction * 200 >= 20)
+        assert not fit.converged or deviation_angle(fit.plane.normal, p.normal) < 1
