@@ -126,7 +126,7 @@ class Config:
     stages: str = ",".join(STAGES)
 
 
-SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=1, conditions="both,view")}
+SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=4, conditions="both,view")}
 
 
 def run(config: Config) -> list[Row]:

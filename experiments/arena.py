@@ -17,9 +17,11 @@ from experiments.contest import published
 from experiments.contest.curves import draw_precision_recall, draw_sweep, precision_recall
 from experiments.contest.plan import ALL, SMALL, Config, outcomes, sizes
 from experiments.contest.plan import main as command
-from experiments.contest.standing import MEASURES, pivot, standings
+from experiments.contest.standing import DEGREES, MEASURES, pivot, standings
+from experiments.contest.tracks import TRACKS
 from experiments.contest.verdict import sentences
 from experiments.report import Row
+from experiments.scores.hits import ANGLES
 
 SIZES = sizes(ALL, SMALL.conditions)
 
@@ -52,12 +54,24 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     _say(rows, path.with_suffix(".md"))
 
 
+def others(rows: list[Row]) -> list[Row]:
+    """Hit rates at other angles, and the measures of other publications, under the first condition."""
+    columns = {f"hit rate {degrees:g}": f"within {degrees:g}°" for degrees in ANGLES if degrees != DEGREES} | TRACKS
+    return [
+        {"data": row["benchmark"], "condition": row["condition"], "method": row["title"]}
+        | {title: row[name] for name, title in columns.items()}
+        for row in rows
+        if row["condition"] == rows[0]["condition"]
+    ]
+
+
 def _say(rows: list[Row], path: Path) -> None:
-    """The table with what has to be said under it."""
+    """The tables with what has to be said under them."""
     data = ", ".join(dict.fromkeys(f"{row['benchmark']} ({row['objects']} objects)" for row in rows))
     lines = "\n".join(f"- {sentence}" for sentence in sentences(rows))
     note = f"Run on {data}; {rows[0]['points']} points before corruption. What the paper prints is of other data."
-    path.write_text(f"{report.markdown(summary(rows))}\n\n{note}\n\n{lines}\n", encoding="utf-8")
+    tables = (report.markdown(table) for table in (summary(rows), others(rows)))
+    path.write_text("\n\n".join([*tables, note, lines]) + "\n", encoding="utf-8")
 
 
 def main(argv: Sequence[str] | None = None) -> None:

@@ -17,6 +17,7 @@ from experiments.clouds import made
 from experiments.contest import compete, entrant, plan, published
 from experiments.contest.curves import precision_recall, shares
 from experiments.contest.standing import MEASURES, answered, best_f, pivot, standing, standings, tallies
+from experiments.contest.tracks import TRACKS
 from experiments.contest.verdict import sentences
 from experiments.rivals import entries
 from experiments.rivals.entries import ENTRIES, OURS, PEER
@@ -177,6 +178,7 @@ def test_figures_of_known_rows():
     said = standing(rows)
     assert (said["objects"], said["answered"], said["found"]) == (4, 3, 3)
     assert said["hit rate"] == 0.25
+    assert [said[f"hit rate {degrees}"] for degrees in (1, 2, 10, 45)] == [0.0, 0.25, 0.25, 0.5]
     assert said["F paper"] == pytest.approx(2 * 2 / (3 + 4))
     assert said["median angle"] == pytest.approx((4 + 30) / 2)
     assert said["area"] == pytest.approx((44 / 45 + 15 / 45) / 4)
@@ -196,6 +198,18 @@ def test_planes_that_are_not_held_do_not_count_as_false():
     # 0.5 of the false one is more than 0.4 of the right one
     assert best_f([both, other]) == pytest.approx(0.8)
     assert best_f([both, other], 1) == 1.0
+
+
+def test_published_measures_are_of_the_planes_that_are_held():
+    true, wrong = [1.0, 0.0, 0.0, 0.0, 0.5], [0.0, 1.0, 0.0, 0.0, 0.9]
+    truths = [true[:4], [0.0, 0.0, 1.0, 0.0]]
+    one = standing([row(planes=[wrong, true], held=[False, True], truths=truths)])
+    assert (one["PHC"], one["mAP"], one["mAP of truths"]) == (1.0, 1.0, 0.5)
+    assert one["F E3Sym"] == one["F coarse"] == pytest.approx(2 / 3)
+    both = standing([row(planes=[wrong, true], held=[True, True], truths=truths)])
+    assert (both["PHC"], both["mAP"], both["mAP of truths"]) == (0.0, 0.5, 0.25)
+    nothing = standing([silent()])
+    assert [nothing[name] for name in TRACKS] == [0.0] * len(TRACKS)
 
 
 def test_what_a_limit_ended_is_a_miss_on_the_object_of_the_others():

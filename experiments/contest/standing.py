@@ -8,6 +8,7 @@ import numpy as np
 from experiments.clouds import Case
 from experiments.conditions import Deviation
 from experiments.contest.entrant import TITLES
+from experiments.contest.tracks import tracks
 from experiments.report import Row
 from experiments.rivals.entries import ENTRIES
 from experiments.rivals.ranking import Ranking
@@ -61,6 +62,13 @@ def answered(row: Row, most: int | None = None) -> Answered:
     return Answered(Ranking(table[:, :3], table[:, 3], table[:, 4]), case)
 
 
+def held(row: Row) -> Answered:
+    """The planes of a row that the method takes for mirror planes, and its truths."""
+    every = answered(row)
+    kept = np.array(row["held"], bool)
+    return every._replace(ranking=Ranking(*(column[kept] for column in every.ranking)))
+
+
 def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
     """Pooled counts at Funk's thresholds, a degree of t_a each.
 
@@ -80,18 +88,20 @@ def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
 
 
 def standing(rows: Sequence[Row]) -> Row:
-    """The figures of `MEASURES` and, besides, how many objects and answers they are of.
+    """The figures of `MEASURES` and `TRACKS`, hit rates at other angles, and how many objects and answers they are of.
 
     Args:
         rows: of one method on one benchmark under one condition.
     """
     deviations = [Deviation(row["angle"], row["offset_error"]) for row in rows]
     angles, offsets = np.array(deviations, float).T
+    rates = hits.hit_rates(deviations)
     return {
         "objects": len(rows),
         "answered": sum(bool(row["planes"]) for row in rows),
         "found": sum(row["found"] for row in rows),
-        "hit rate": hits.hit_rates(deviations)[float(DEGREES)],
+        "hit rate": rates[float(DEGREES)],
+        **{f"hit rate {degrees:g}": rate for degrees, rate in rates.items() if degrees != DEGREES},
         "F paper": tallies(rows, "funk_paper")[DEGREES].f,
         "F": tallies(rows, "funk")[DEGREES].f,
         "F score": best_f(rows),
@@ -103,6 +113,7 @@ def standing(rows: Sequence[Row]) -> Row:
         "GTE squared": _mean(rows, "gte_squared", GTE_UNIT),
         "SDE": _mean(rows, "sde", SDE_UNIT),
         "seconds": float(np.median([row["seconds"] for row in rows])),
+        **tracks([held(row) for row in rows]),
     }
 
 

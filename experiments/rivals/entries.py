@@ -40,6 +40,10 @@ COMPILED = (OURS, "sym-hks", "sym-hks-cleaned", "kazhdan", "3dsymm-26", PEER)
 """Methods of which the first call in a process compiles what later ones need: its time says nothing of theirs."""
 
 
+MOST_MERIT = 2.0
+"""No candidate of symjax has as much."""
+
+
 class Proposal(NamedTuple):
     """What a method says of a cloud.
 
@@ -72,7 +76,7 @@ class Entry(NamedTuple):
 
 
 def _symjax(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, **options: Any) -> Proposal:
-    """Candidates by their merit, which is what symjax ranks them by; those that are its mirror planes are held."""
+    """Candidates by their merit, which is what symjax ranks them by, behind those that are its mirror planes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SymjaxWarning)
         said = symjax.detect(points, rng=rng, **options)
@@ -82,8 +86,10 @@ def _symjax(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, **option
     # a candidate that was not polished stands behind those that were, whatever its merit
     merits = np.minimum.accumulate([candidate.merit for candidate in said.candidates])
     held = np.array([any(_same(plane, mirror) for mirror in said.planes) for plane in planes])
-    ranking = Ranking(np.asarray(canonical.normal), np.asarray(canonical.offset), merits)
-    return Proposal(ranking, held, said.ambiguous)
+    scores = np.where(held, merits, merits - MOST_MERIT)
+    order = np.argsort(-scores, kind="stable")
+    ranking = Ranking(np.asarray(canonical.normal)[order], np.asarray(canonical.offset)[order], scores[order])
+    return Proposal(ranking, held[order], said.ambiguous)
 
 
 def _same(plane: Plane, other: Plane) -> bool:

@@ -1,0 +1,23 @@
+"""The planes that a method holds, by the measures of SHREC 2023 and of E3Sym."""
+
+from collections.abc import Sequence
+
+from experiments.report import Row
+from experiments.scores import e3sym, shrec
+from experiments.scores.answered import Answered
+
+TRACKS = {
+    "PHC": "PHC: best plane within 1° and 1 %",
+    "mAP": "mAP over hits",
+    "mAP of truths": "mAP over truths",
+    "F E3Sym": "F of E3Sym, mean to 0.2",
+    "F coarse": "the same at four thresholds",
+}
+"""Columns."""
+
+
+def tracks(all_held: Sequence[Answered]) -> Row:
+    """The measures of one method's answers."""
+    phc, of_hits, of_truths = shrec.scores(all_held)
+    coarse = e3sym.f_score(all_held, e3sym.COARSE)
+    return dict(zip(TRACKS, (phc, of_hits, of_truths, e3sym.f_score(all_held), coarse), strict=True))
