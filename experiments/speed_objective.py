@@ -38,7 +38,7 @@ class Config:
 
     num_pairs: int = 1000
     planes: int = 1024
-    repeats: int = 25
+    repeats: int = 150
     sigma: float = 0.1
     seed: int = 0
 
