@@ -24,7 +24,7 @@ from experiments.clouds import made
 from experiments.conditions import chosen, deviation
 from experiments.report import Row
 from experiments.rivals import three_d_symm
-from experiments.rivals.entries import ENTRIES, OURS, Entry, Proposal, usable
+from experiments.rivals.entries import BY_SIZE, ENTRIES, OURS, Entry, Proposal, usable
 from experiments.runner.limits import Limits
 from experiments.runner.task import Task
 from experiments.runner.worker import Worker
@@ -52,9 +52,6 @@ COMPILING = 600.0
 """Seconds that a call may take which does not count."""
 
 TIMED = "experiments.growth:timed"
-
-BY_SIZE = (OURS, "sym-hks", "sym-hks-cleaned")
-"""Methods that may compile anew for another number of points, or of matches."""
 
 
 def _whole(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Proposal:

@@ -11,7 +11,7 @@ from symjax.plane import Plane
 
 __all__ = ["METHODS", "PEER", "Answer", "answer", "usable"]
 
-METHODS = (OURS, "sym-hks", "sym-hks-cleaned", PEER)
+METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PEER)
 """By their names in `ENTRIES`; robustness and ablation compare these."""
 
 

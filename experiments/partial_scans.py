@@ -11,7 +11,7 @@ from experiments.contest.plan import main as command
 from experiments.contest.plan import sizes
 from experiments.report import Row
 
-SIZES = sizes("view", "view", methods="robust,sym-hks,nagar-raman,hruda,3dsymm")
+SIZES = sizes("view", "view", methods="robust,sym-hks-printed,sym-hks,nagar-raman,hruda,3dsymm")
 
 
 def summary(rows: list[Row]) -> list[Row]:

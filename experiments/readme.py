@@ -101,7 +101,9 @@ def _data(name: str, about: Row) -> str:
     groups = about["models"]
     if groups:
         text += " Models: " + "; ".join(f"{count} {group}" for group, count in groups.items()) + "."
-    if about["config"].get("data") and groups and all(group.startswith("generated") for group in groups):
+    config = about["config"]
+    asked = config.get("data") or "real" in config.get("benchmark", "")
+    if asked and groups and all(group.startswith(("generated", "procedural")) for group in groups):
         text += " THE REAL MODELS WERE ABSENT."
     return text
 

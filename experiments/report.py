@@ -103,7 +103,10 @@ def write_rows(rows: list[Row], path: Path) -> None:
 
 
 def models(rows: list[Row]) -> dict[str, int]:
-    """How many models of every group the rows are of."""
+    """How many models of every group, or objects of every benchmark, the rows are of."""
+    benchmarks = {row["benchmark"]: row["objects"] for row in rows if "objects" in row}
+    if benchmarks:
+        return benchmarks
     named = {(row["group"], row.get("model") or row.get("name")) for row in rows if "group" in row}
     return dict(Counter(group for group, _ in sorted(named)))
 

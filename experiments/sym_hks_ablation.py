@@ -99,14 +99,14 @@ def _row(variant: Variant, name: str, trial: Trial) -> Row:
 
 def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
     """The method, or None where it raises one of its own errors."""
-    arguments = {"drop_outliers": name.endswith(DROPPED), **dict(variant.arguments)}
+    arguments = {"drop_outliers": name.endswith(DROPPED), **variant.arguments_of_detect}
     with ExitStack() as stack:
         stack.enter_context(warnings.catch_warnings())
         warnings.simplefilter("ignore", SymjaxWarning)
         for module, attribute, replacement in variant.patches:
             stack.enter_context(mock.patch.object(module, attribute, replacement))
         try:
-            return symjax.detect(trial.points, method="sym-hks", options=variant.options, rng=0, **arguments)
+            return symjax.detect(trial.points, method="sym-hks", rng=0, **arguments)
         except SymjaxError:
             return None
 

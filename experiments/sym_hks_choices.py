@@ -35,6 +35,11 @@ class Variant(NamedTuple):
     arguments: tuple[tuple[str, Any], ...] = ()
     patches: tuple[Patch, ...] = ()
 
+    @property
+    def arguments_of_detect(self) -> dict[str, Any]:
+        """Options and arguments of `symjax.detect`, by name."""
+        return {"options": self.options, **dict(self.arguments)}
+
 
 DEFAULT = Variant()
 

@@ -57,8 +57,8 @@ def detect(
         rng: seed, or generator, of everything random (and of the sampling, where the file is a mesh).
         init: a plane to begin with beside all others, in the units of the points (`robust`).
         max_planes: most candidates that are returned.
-        drop_outliers: leave out scattered outliers first; by default `robust` does, and `sym-hks`, as printed, does
-            not.
+        drop_outliers: leave out scattered outliers first; by default `robust` does, and `sym-hks`, like the
+            paper, does not.
         remove_floor: leave out the dominant plane that a scan stands on, if there is one.
         nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
         max_points: larger clouds are thinned to this many.

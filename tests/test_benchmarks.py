@@ -10,6 +10,7 @@ from experiments.benchmarks import folder, funk, procedural, shapenet, shrec2016
 from experiments.benchmarks.absence import DataAbsentError
 from experiments.benchmarks.numberfile import NumberFile
 from experiments.benchmarks.shape import cases
+from experiments.contest import entrant
 from experiments.scores import patch
 from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.plane import Plane
@@ -81,6 +82,21 @@ def test_funk(tmp_path):
     assert same(table.planes[0], [1, 0, 0], 0)
     assert same(table.planes[1], [0, 1, 0], 0)
     assert table.diagonal == pytest.approx(np.sqrt(2))
+
+
+def test_rectangles_of_funk_go_with_their_shape_into_a_pose(tmp_path):
+    write(tmp_path / "table.ply", PLY)
+    write(tmp_path / "table-plane.txt", TABLE)
+    (shape,) = funk.load(tmp_path)
+    posed = shape.posed(4)
+    assert len(posed.surface.vertices) == len(shape.surface.vertices)
+    before, after = patch.from_corners(shape.corners), patch.from_corners(posed.corners)
+    np.testing.assert_allclose(after.sides, before.sides)
+    for plane, normal, centre in zip(posed.planes, after.normals, after.centres, strict=True):
+        assert abs(plane.normal @ normal) == pytest.approx(1.0)
+        assert plane.normal @ centre == pytest.approx(float(plane.offset))
+    whole = entrant.entrant("funk", str(tmp_path), 0, 4, 2)
+    np.testing.assert_array_equal(whole.truths.centres, after.centres)
 
 
 def test_funk_gives_the_rectangles_of_a_file(tmp_path):

@@ -202,7 +202,9 @@ def test_gte_is_squared_and_not_and_blind_to_signs():
 
 
 def test_e3sym_averages_over_thresholds():
-    assert e3sym.f_score([answered([tilted(0.0), tilted(90.0)], (tilted(0.0), tilted(90.0)))]) == 1.0
+    assert e3sym.f_score([answered([tilted(0.0), tilted(90.0)], (tilted(0.0), tilted(90.0)))]) == pytest.approx(
+        200 / 201
+    )
     # D = 0.1: no match at the first 100 of 201 thresholds
     one = answered([Plane(AXES[0], np.asarray(0.1 - 1e-9))])
     assert e3sym.f_score([one], frame=AS_STORED) == pytest.approx(101 / 201)

@@ -95,4 +95,5 @@ def _pairs(folder: Path) -> dict[str, tuple[Path, Path]]:
 
 def _shape(name: str, model: Path, planes: Path) -> Shape:
     corners = read_planes(planes).corners
-    return read_shape(model, name, "Funk 2017", (through(np.cross(b - a, c - a), a) for a, b, c in corners))
+    shape = read_shape(model, name, "Funk 2017", (through(np.cross(b - a, c - a), a) for a, b, c in corners))
+    return shape._replace(corners=corners)

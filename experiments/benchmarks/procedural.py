@@ -25,6 +25,11 @@ SEED = 1
 """With 0 some objects would be those of `clouds.generated`, on which thresholds were chosen."""
 
 
+def kind(k: int) -> str:
+    """The kind of object number k, which is its name."""
+    return PROCEDURAL_KINDS[k % len(PROCEDURAL_KINDS)]
+
+
 class Procedural(NamedTuple):
     """The benchmark of a seed.
 
@@ -44,8 +49,7 @@ class Procedural(NamedTuple):
         """
         if not 0 <= k < NUM_OBJECTS:
             raise InvalidArgumentError(f"object {k} of {NAME}: 0 to {NUM_OBJECTS - 1} expected")
-        kind = PROCEDURAL_KINDS[k % len(PROCEDURAL_KINDS)]
-        return made(kind, self.num_points, NUM_OBJECTS * self.seed + k)
+        return made(kind(k), self.num_points, NUM_OBJECTS * self.seed + k)
 
     def cases(self, most: int = NUM_OBJECTS) -> Iterator[Case]:
         """The first objects, made one by one."""

@@ -27,6 +27,7 @@ class Shape(NamedTuple):
         planes: none where the benchmark publishes none for it.
         diagonal: of the bounding box in the shape's own frame; it stays when the shape is posed.
         axis: point and direction; every plane through it is right as well.
+        corners: three of the rectangle of every plane, where the benchmark publishes them.
     """
 
     name: str
@@ -35,17 +36,26 @@ class Shape(NamedTuple):
     planes: tuple[Plane, ...]
     diagonal: float
     axis: Axis | None = None
+    corners: Float[np.ndarray, "k 3 3"] | None = None
 
     def posed(self, seed: int) -> "Shape":
-        """In the random pose of a seed: turned, perhaps reflected, and shifted, mesh and planes alike."""
+        """In the random pose of a seed: turned, perhaps reflected, and shifted, mesh, planes and corners alike."""
         by_number: tuple[Symmetry, ...] = ("none", "single", "multiple")
         symmetry: Symmetry = "continuous" if self.axis else by_number[min(len(self.planes), 2)]
         normals = np.array([plane.normal for plane in self.planes]).reshape(-1, 3)
         offsets = np.array([float(plane.offset) for plane in self.planes])
-        whole = samples.Sample(self.surface.vertices, normals, offsets, self.axis, self.name, symmetry)
+        count = len(self.surface.vertices)
+        corners = np.empty((0, 3)) if self.corners is None else self.corners.reshape(-1, 3)
+        points = np.concatenate([self.surface.vertices, corners])
+        whole = samples.Sample(points, normals, offsets, self.axis, self.name, symmetry)
         moved = samples.pose(whole, np.random.default_rng([seed, *self.name.encode()]))
         planes = tuple(Plane(n, np.asarray(w)) for n, w in zip(moved.normals, moved.offsets, strict=True))
-        return self._replace(surface=self.surface._replace(vertices=moved.points), planes=planes, axis=moved.axis)
+        return self._replace(
+            surface=self.surface._replace(vertices=moved.points[:count]),
+            planes=planes,
+            axis=moved.axis,
+            corners=None if self.corners is None else moved.points[count:].reshape(-1, 3, 3),
+        )
 
     def points(self, num_points: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
         """Points uniform by area on a mesh; of a cloud at most so many of its own."""

@@ -6,9 +6,9 @@ from time import perf_counter
 import numpy as np
 
 from experiments import conditions
-from experiments.contest.entrant import Entrant, entrant
+from experiments.contest.entrant import DENSE, Entrant, entrant
 from experiments.report import Row
-from experiments.rivals.entries import COMPILED, ENTRIES, Proposal
+from experiments.rivals.entries import BY_SIZE, COMPILED, ENTRIES, Proposal
 from experiments.rivals.ranking import Ranking
 from experiments.scores import funk
 from experiments.scores.answered import Answered
@@ -41,13 +41,16 @@ WARM: set[tuple[str, str, int]] = set()
 """Methods, conditions and sizes that this process has compiled programs for."""
 
 
-def compete(method: str, benchmark: str, item: int, condition: str, seed: int, num_points: int, data: str = "") -> Row:
+def compete(
+    method: str, benchmark: str, item: int, name: str, condition: str, seed: int, num_points: int, data: str = ""
+) -> Row:
     """What a method makes of an object in a random pose, corrupted then.
 
     Args:
         method: one of `ENTRIES`.
         benchmark: one of `entrant.NAMES`.
         item: number of the object.
+        name: of the object.
         condition: one of `conditions.SWEPT`.
         seed: of the pose, the points, the corruption and the method.
         num_points: points before the corruption.
@@ -56,13 +59,18 @@ def compete(method: str, benchmark: str, item: int, condition: str, seed: int, n
     Returns:
         JSON values: the object; all ranked planes (normal, offset, score), which of them the method holds for mirror
         planes; of the best plane angle (degrees) and offset error (diagonals) to the nearest truth, GTE and SDE; hits
-        at Funk's thresholds, of all planes that are held and in the paper's way; seconds. A method that raises has
-        given no answer.
+        at Funk's thresholds, of all planes that are held and in the paper's way; seconds, those of compilation left
+        out. A method that raises has given no answer.
+
+    Raises:
+        ValueError: the object of this number has another name: the benchmark is not what it was.
     """
     whole = entrant(benchmark, data, item, seed, num_points)
+    if whole.case.name != name:
+        raise ValueError(f"object {item} of {benchmark} is {whole.case.name!r} and not {name!r}")
     points = next(conditions.trials([whole.case], [condition])).points
     key = (method, condition, num_points)
-    if method in COMPILED and key not in WARM:
+    if method in BY_SIZE or (method in COMPILED and key not in WARM):
         WARM.add(key)
         _propose(method, points, [seed, item])
     start = perf_counter()
@@ -71,6 +79,8 @@ def compete(method: str, benchmark: str, item: int, condition: str, seed: int, n
     about = _about(whole) | {"seconds": seconds}
     if isinstance(said, Exception):
         return about | NO_ANSWER | {"raised": repr(said)}
+    if not len(said.ranking.offsets):
+        return about | NO_ANSWER | {"raised": "no plane"}
     return about | _judged(said, whole) | {"raised": ""}
 
 
@@ -86,7 +96,6 @@ def _propose(method: str, points: np.ndarray, seed: list[int]) -> Proposal | Exc
 def _about(whole: Entrant) -> Row:
     case = whole.case
     return {
-        "name": case.name,
         "group": case.group,
         "truths": [[*map(float, plane.normal), float(plane.offset)] for plane in case.planes],
         "centre": case.points.mean(axis=0).tolist(),
@@ -99,7 +108,8 @@ def _judged(said: Proposal, whole: Entrant) -> Row:
     every = Answered(ranking, case)
     held = Answered(Ranking(*(column[said.held] for column in ranking)), case)
     off, error, best = deviation(ranking.plane(), case), gte(every), ranking.plane()
-    sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if len(whole.dense) else None
+    seen = len(whole.dense) >= DENSE
+    sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if seen else None
     return {
         "planes": np.column_stack(ranking).tolist(),
         "held": said.held.tolist(),
@@ -110,6 +120,6 @@ def _judged(said: Proposal, whole: Entrant) -> Row:
         "gte": error.plain,
         "gte_squared": error.squared,
         "sde": sde,
-        "funk": [tally.hits for tally in funk.curve([funk.compared(held)], STEPS)],
+        "funk": [tally.hits for tally in funk.curve([funk.compared(held, whole.truths)], STEPS)],
         "funk_paper": [tally.hits for tally in funk.curve([funk.as_in_the_paper(every)], STEPS)],
     }

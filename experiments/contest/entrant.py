@@ -1,7 +1,7 @@
 """The objects of a benchmark by name and number, each with a dense sample of its whole surface.
 
 `procedural` is the generated benchmark. Of the others, which are read from a folder, the numbers count what their
-loader gives; objects without a listed plane are left out.
+loader gives.
 """
 
 import sys
@@ -19,14 +19,15 @@ from experiments.benchmarks.absence import DataAbsentError
 from experiments.benchmarks.procedural import Procedural
 from experiments.benchmarks.shape import Shape
 from experiments.clouds import MODELS, Case
+from experiments.scores.patch import Patches, from_corners
 
 DENSE = 30_000
 """Points of the dense sample: what `scores.sde.cloud_sde` asks for."""
 
-PROCEDURAL = "procedural"
+PROCEDURAL, REAL = "procedural", "real"
 
 LOADERS: dict[str, Callable[[Path], Iterator[Shape]]] = {
-    "real": folder.load,
+    REAL: folder.load,
     "folder": folder.load,
     "funk": funk.load,
     "shapenet": shapenet.load,
@@ -38,7 +39,7 @@ LOADERS: dict[str, Callable[[Path], Iterator[Shape]]] = {
 
 NAMES = (PROCEDURAL, *LOADERS)
 
-TITLES = {PROCEDURAL: procedural.NAME, "real": "the shared real models"}
+TITLES = {PROCEDURAL: procedural.NAME, REAL: "the shared real models"}
 """What tables call those whose name does not say it."""
 
 
@@ -49,14 +50,16 @@ class Entrant(NamedTuple):
         case: posed and whole, with the planes that are right.
         dense: another sample of the same surface, none of it among the points of the case; empty where the benchmark is
             of clouds with no more points.
+        truths: rectangles of the right planes, where the benchmark publishes them.
     """
 
     case: Case
     dense: Float[np.ndarray, "m 3"]
+    truths: Patches | None = None
 
 
 def _shapes(benchmark: str, data: str) -> Iterator[Shape]:
-    return LOADERS[benchmark](Path(data) if data else MODELS if benchmark == "real" else Path())
+    return LOADERS[benchmark](MODELS if benchmark == REAL else Path(data))
 
 
 class _Shelf:
@@ -77,23 +80,30 @@ class _Shelf:
 _shelf = lru_cache(maxsize=1)(_Shelf)
 
 
-def items(benchmark: str, data: str, most: int) -> list[int]:
-    """Numbers of the first objects that have a plane; none, and said loudly, where the real models are absent.
+def items(benchmark: str, data: str, most: int) -> dict[int, str]:
+    """Numbers and names of the first objects that have planes and no axis.
+
+    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. How many
+    are left out is said loudly, and so is it where there are none, or the real models are absent.
 
     Raises:
         DataAbsentError: another benchmark is not in its folder.
         FileFormatError: a file is malformed.
     """
     if benchmark == PROCEDURAL:
-        return list(range(min(most, procedural.NUM_OBJECTS)))
+        return {k: procedural.kind(k) for k in range(min(most, procedural.NUM_OBJECTS))}
     try:
-        with_plane = (k for k, shape in enumerate(_shapes(benchmark, data)) if shape.planes)
-        return list(islice(with_plane, most))
+        shapes = list(_shapes(benchmark, data))
     except DataAbsentError as error:
-        if benchmark != "real":
+        if benchmark != REAL:
             raise
         print(f"REAL MODELS ARE ABSENT: {error}\nSkipped.", file=sys.stderr)
-        return []
+        return {}
+    usable = {k: shape.name for k, shape in enumerate(shapes) if shape.planes and shape.axis is None}
+    if len(usable) < len(shapes):
+        without = len(shapes) - len(usable)
+        print(f"{benchmark}: {without} OF {len(shapes)} OBJECTS HAVE NO PLANES OR AN AXIS: left out", file=sys.stderr)
+    return dict(islice(usable.items(), most))
 
 
 @lru_cache(maxsize=2)
@@ -102,14 +112,17 @@ def entrant(benchmark: str, data: str, item: int, seed: int, num_points: int) ->
 
     Args:
         benchmark: one of `NAMES`.
-        data: its folder; by default the present one, and of `real` that of the models.
+        data: its folder; empty for `procedural` and `real`, which have theirs.
         item: its number.
         seed: of pose and points; of `procedural`, other seeds have other individuals of the same kinds.
         num_points: points of the case.
     """
     drawn = num_points + DENSE
+    truths = None
     if benchmark == PROCEDURAL:
         whole = Procedural(procedural.SEED + seed, drawn).case(item)
     else:
-        whole = _shelf(benchmark, data).shape(item).case(drawn, seed)
-    return Entrant(whole._replace(points=whole.points[:num_points]), whole.points[num_points:])
+        shape = _shelf(benchmark, data).shape(item)
+        whole, corners = shape.case(drawn, seed), shape.posed(seed).corners
+        truths = None if corners is None else from_corners(corners)
+    return Entrant(whole._replace(points=whole.points[:num_points]), whole.points[num_points:], truths)

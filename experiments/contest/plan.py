@@ -25,7 +25,7 @@ OUTLIERS = "clean,out20,out40,out60,out80,out100,out120"
 MISSING = "clean,miss15,miss20,miss28,miss40"
 ALL = f"{OUTLIERS},{MISSING.removeprefix('clean,')},both,noise1,view"
 
-UNKNOWN: Row = {"name": "", "group": "", "truths": [[0.0, 0.0, 1.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0}
+UNKNOWN: Row = {"group": "", "truths": [[0.0, 0.0, 1.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0}
 """An object of which no method came to an end: it has a plane, and nobody found it."""
 
 
@@ -106,12 +106,12 @@ def tasks(config: Config) -> list[Row]:
     conditions = chosen(config.conditions, SWEPT)
     return [
         {
-            **{"method": method, "benchmark": benchmark, "item": item, "condition": condition},
+            **{"method": method, "benchmark": benchmark, "item": item, "name": name, "condition": condition},
             **{"seed": seed, "num_points": config.num_points, "data": data},
         }
         for benchmark in chosen(config.benchmark, entrant.NAMES)
-        for data in ["" if benchmark == entrant.PROCEDURAL else config.data]
-        for item in entrant.items(benchmark, data, config.objects)
+        for data in ["" if benchmark in (entrant.PROCEDURAL, entrant.REAL) else str(Path(config.data).resolve())]
+        for item, name in entrant.items(benchmark, data, config.objects).items()
         for seed in range(config.seeds)
         for condition in conditions
         for method in methods
@@ -138,9 +138,13 @@ def outcomes(config: Config) -> list[Row]:
 
 
 def rows_of(results: Sequence[Result]) -> list[Row]:
-    """The rows of results; what is said of an object that a limit left without a row is taken from another method."""
+    """The rows of results; what is said of an object that a limit left without a row is taken from another method.
+
+    What ended with an error is no fault of a method, whose own are caught, and no row: data that is not on a machine of
+    a cluster, or a bug of ours.
+    """
     about = {_object(r): {name: r.row[name] for name in UNKNOWN} for r in results if r.status == "ok"}
-    return [_row(result, about) for result in results]
+    return [_row(result, about) for result in results if result.status != "error"]
 
 
 def _row(result: Result, about: Mapping[tuple, Row]) -> Row:
@@ -151,4 +155,4 @@ def _row(result: Result, about: Mapping[tuple, Row]) -> Row:
 
 
 def _object(result: Result) -> tuple:
-    return tuple(result.task[name] for name in ("benchmark", "item", "seed", "num_points", "data"))
+    return tuple(result.task[name] for name in ("benchmark", "item", "name", "seed", "num_points", "data"))

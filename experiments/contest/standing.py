@@ -1,14 +1,14 @@
 """How a method stands on a benchmark under a condition, and the table of all methods by condition."""
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from experiments.clouds import Case
 from experiments.conditions import Deviation
 from experiments.contest.entrant import TITLES
-from experiments.contest.tracks import tracks
+from experiments.contest.measure import Measure
+from experiments.contest.tracks import TRACKS, tracks
 from experiments.report import Row
 from experiments.rivals.entries import ENTRIES
 from experiments.rivals.ranking import Ranking
@@ -24,34 +24,27 @@ GTE_UNIT, SDE_UNIT = 1e-2, 1e-4
 """What published tables print GTE and SDE in."""
 
 
-class Measure(NamedTuple):
-    """A column of the table.
-
-    Attributes:
-        title: with the unit.
-        rises: whether more is better.
-    """
-
-    title: str
-    rises: bool
-
-
 MEASURES = {
-    "hit rate": Measure(f"best plane within {DEGREES}° and 2 % of the diagonal", True),
-    "F paper": Measure(f"F as the paper takes it: best plane within {DEGREES}°, any offset", True),
-    "F": Measure(f"F of Funk, all planes that are held: t_a = {DEGREES}°, t_d = 2/9 s", True),
-    "F score": Measure("F at the best threshold of the method's own score, all planes: 5°, 1 %", True),
-    "F score, best": Measure("F at the best threshold of the score, best plane alone: 5°, 1 %", True),
-    "area": Measure("area under hit rate over angle, to 45°", True),
+    "hit rate": Measure(f"best plane within {DEGREES}° and 2 % of the diagonal"),
+    "F paper": Measure(f"F as the paper takes it: best plane within {DEGREES}°, any offset"),
+    "F": Measure(f"F of Funk, all planes that are held: t_a = {DEGREES}°, t_d = 2/9 s"),
+    "F score": Measure("F at the best threshold of the method's own score, all planes: 5°, 1 %"),
+    "F score, best": Measure("F at the best threshold of the score, best plane alone: 5°, 1 %"),
+    "area": Measure("area under hit rate over angle, to 45°"),
     "median angle": Measure("median angle, °", False),
     "median offset": Measure("median offset error, % of the diagonal", False),
     "GTE": Measure("mean GTE, 1e-2", False),
     "GTE squared": Measure("mean squared GTE, 1e-2", False),
-    "SDE": Measure("mean SDE, 1e-4", False),
+    "SDE": Measure("mean SDE, of those above 0, 1e-4", False, 0.1),
     "seconds": Measure("median seconds", False),
 }
 """The columns that methods are compared in. What gave no answer counts as 90° and a whole diagonal; means of GTE and
-SDE are over answers."""
+SDE are over answers. SDE is that of points, which two samples of a surface tell to about 0.1."""
+
+OTHERS = {
+    f"hit rate {degrees:g}": Measure(f"within {degrees:g}° and 2 %") for degrees in hits.ANGLES if degrees != DEGREES
+} | TRACKS
+"""Further columns: hit rates at other angles, and the measures of other publications."""
 
 
 def answered(row: Row, most: int | None = None) -> Answered:
@@ -88,7 +81,7 @@ def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
 
 
 def standing(rows: Sequence[Row]) -> Row:
-    """The figures of `MEASURES` and `TRACKS`, hit rates at other angles, and how many objects and answers they are of.
+    """The figures of `MEASURES` and `OTHERS`, and how many objects and answers they are of.
 
     Args:
         rows: of one method on one benchmark under one condition.
@@ -111,7 +104,7 @@ def standing(rows: Sequence[Row]) -> Row:
         "median offset": 100 * float(np.median(offsets)),
         "GTE": _mean(rows, "gte", GTE_UNIT),
         "GTE squared": _mean(rows, "gte_squared", GTE_UNIT),
-        "SDE": _mean(rows, "sde", SDE_UNIT),
+        "SDE": _mean([row for row in rows if row["sde"] and row["sde"] > 0], "sde", SDE_UNIT),
         "seconds": float(np.median([row["seconds"] for row in rows])),
         **tracks([held(row) for row in rows]),
     }

@@ -2,16 +2,17 @@
 
 from collections.abc import Sequence
 
+from experiments.contest.measure import Measure
 from experiments.report import Row
 from experiments.scores import e3sym, shrec
 from experiments.scores.answered import Answered
 
 TRACKS = {
-    "PHC": "PHC: best plane within 1° and 1 %",
-    "mAP": "mAP over hits",
-    "mAP of truths": "mAP over truths",
-    "F E3Sym": "F of E3Sym, mean to 0.2",
-    "F coarse": "the same at four thresholds",
+    "PHC": Measure("PHC: best plane within 1° and 1 %"),
+    "mAP": Measure("mAP over hits"),
+    "mAP of truths": Measure("mAP over truths"),
+    "F E3Sym": Measure("F of E3Sym, mean to 0.2"),
+    "F coarse": Measure("F of E3Sym at four thresholds"),
 }
 """Columns."""
 

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import symjax
+from experiments import sym_hks_choices
 from experiments.rivals import (
     cicconet,
     hruda,
@@ -36,8 +37,14 @@ OURS = "robust"
 PEER = "pyclarcs"
 """The one method that is another's package."""
 
-COMPILED = (OURS, "sym-hks", "sym-hks-cleaned", "kazhdan", "3dsymm-26", PEER)
+COMPILED = ("kazhdan", "3dsymm-26", PEER)
 """Methods of which the first call in a process compiles what later ones need: its time says nothing of theirs."""
+
+AS_PRINTED = sym_hks_choices.AS_PRINTED.arguments_of_detect
+"""Of the matches and of the fit; those on matches have our choices, whichever way they fit."""
+
+BY_SIZE = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned")
+"""Methods that may compile anew for another number of points, or of matches."""
 
 
 MOST_MERIT = 2.0
@@ -96,27 +103,32 @@ def _same(plane: Plane, other: Plane) -> bool:
     return np.array_equal(plane.normal, other.normal) and float(plane.offset) == float(other.offset)
 
 
-def _rival(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, find: Rival, **options: Any) -> Proposal:
-    """A method that never doubts: it holds all that it answers."""
+def _rival(
+    points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, find: Rival, several: bool, **options: Any
+) -> Proposal:
+    """A method that never doubts its best plane; it holds the others if it lists only what its own rule accepts."""
     ranking = find(points, rng=rng, **options)
-    return Proposal(ranking, np.ones(len(ranking.offsets), bool))
+    return Proposal(ranking, np.full(len(ranking.offsets), several) | (np.arange(len(ranking.offsets)) == 0))
 
 
-def _entry(title: str, find: Rival, **options: Any) -> Entry:
-    return Entry(title, partial(_rival, find=find, **options))
+def _entry(title: str, find: Rival, *, several: bool = False, **options: Any) -> Entry:
+    return Entry(title, partial(_rival, find=find, several=several, **options))
 
 
 ENTRIES: dict[str, Entry] = {
     OURS: Entry("symjax", partial(_symjax, method="robust")),
-    "sym-hks": Entry("Algorithm 1 as printed", partial(_symjax, method="sym-hks")),
-    "sym-hks-cleaned": Entry("Algorithm 1, outliers dropped", partial(_symjax, method="sym-hks", drop_outliers=True)),
+    "sym-hks-printed": Entry("Algorithm 1 as printed", partial(_symjax, method="sym-hks", **AS_PRINTED)),
+    "sym-hks": Entry("Algorithm 1, our choices", partial(_symjax, method="sym-hks")),
+    "sym-hks-cleaned": Entry(
+        "Algorithm 1, our choices, outliers dropped", partial(_symjax, method="sym-hks", drop_outliers=True)
+    ),
     "pca": _entry("PCA", pca.find),
     "mle-printed": _entry("MLE as printed", maximum_likelihood.find, as_printed=True),
     "mle": _entry("MLE, corrected", maximum_likelihood.find),
-    "ransac-matches": _entry("RANSAC on matches", ransac_matches.find),
-    "ransac-points": _entry("RANSAC on points", ransac_points.find),
+    "ransac-matches": _entry("RANSAC on matches", ransac_matches.find, several=True),
+    "ransac-points": _entry("RANSAC on points", ransac_points.find, several=True),
     "ransac-released": _entry(
-        "RANSAC on points, as released",
+        "RANSAC on points, released stopping rule",
         ransac_points.find,
         radius=0.05,
         confidence=0.95,
@@ -126,7 +138,7 @@ ENTRIES: dict[str, Entry] = {
     ),
     "kazhdan": _entry("Kazhdan", kazhdan.find),
     "cicconet": _entry("Cicconet", cicconet.find),
-    "hruda": _entry("after Hruda", hruda.find),
+    "hruda": _entry("after Hruda", hruda.find, several=True),
     "3dsymm": _entry("after 3DSymm, from PCA", three_d_symm.find),
     "3dsymm-26": _entry("after 3DSymm, from 26 starts", three_d_symm.find, starts="half-sphere"),
     "nagar-raman": _entry("after Nagar and Raman 2019", nagar_raman.find),

@@ -25,7 +25,7 @@ COARSE = np.array([0.05, 0.1, 0.15, 0.2])
 
 
 def tallies(answered: Sequence[Answered], thresholds: np.ndarray = FINE, frame: Frame | None = None) -> list[Tally]:
-    """Pooled counts at every threshold; a distance equal to the threshold counts as a match.
+    """Pooled counts at every threshold; a match is nearer than the threshold.
 
     Args:
         answered: all shapes, also those without an answer or without a truth.
@@ -36,7 +36,7 @@ def tallies(answered: Sequence[Answered], thresholds: np.ndarray = FINE, frame: 
     distances = np.sort(np.concatenate(found)) if found else np.empty(0)
     num_answers = sum(len(one.ranking.offsets) for one in answered)
     num_truths = sum(len(one.case.planes) for one in answered)
-    hits = np.searchsorted(distances, thresholds, side="right")
+    hits = np.searchsorted(distances, thresholds, side="left")
     return [Tally(int(count), num_answers, num_truths) for count in hits]
 
 
