@@ -7,6 +7,7 @@ import random
 import signal
 import subprocess
 import sys
+import textwrap
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -19,6 +20,7 @@ pytest.importorskip("psutil", reason="the runner needs the extra `arena`")
 
 import psutil
 
+from experiments import report
 from experiments.report import PROJECT
 from experiments.runner import run
 from experiments.runner.store import Store
@@ -62,6 +64,24 @@ def hog(megabytes, kept=[]):  # noqa: B006
         kept.append(np.ones(2**21))
         taken += 16
     return {"taken": taken}
+
+
+def leaving(how, folder):
+    """Leaves a subprocess behind that outlives it by far, and ends its process."""
+    if how == "fork":
+        child = os.fork()
+        if not child:
+            time.sleep(2 * DEADLINE)
+            os._exit(0)
+    else:
+        child = subprocess.Popen(["sleep", str(2 * DEADLINE)]).pid
+    (Path(folder) / how).write_text(str(child))
+    os._exit(3)
+
+
+def reading(k, folder):
+    """Fails until its file is there."""
+    return {"k": k, "read": (Path(folder) / f"read{k}").read_text()}
 
 
 def here(function):
@@ -110,7 +130,7 @@ def started(tmp_path):
     processes = []
 
     def start(*command):
-        env = {**os.environ, "PYTHONPATH": str(PROJECT)}
+        env = {**os.environ, "PYTHONPATH": f"{PROJECT}{os.pathsep}{tmp_path}", "PYTHONDONTWRITEBYTECODE": "1"}
         with (tmp_path / f"log{len(processes)}").open("w") as log:
             command = [sys.executable, "-m", *map(str, command)]
             processes.append(subprocess.Popen(command, cwd=PROJECT, env=env, stdout=log, stderr=log))
@@ -120,6 +140,24 @@ def started(tmp_path):
     for process in processes:
         process.kill()
         process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path, started):
+    """Starts a scheduler and processes of a cluster, and says the address."""
+    pytest.importorskip("distributed", reason="runs on a cluster need dask.distributed")
+
+    def start(count):
+        about = tmp_path / "scheduler.json"
+        scheduler = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", about)
+        started("distributed.cli.dask_scheduler", *scheduler)
+        until(about.exists)
+        address = json.loads(about.read_text())["address"]
+        for _ in range(count):
+            started("distributed.cli.dask_worker", address, "--no-dashboard", "--nthreads", 1, "--no-nanny")
+        return address
+
+    return start
 
 
 @pytest.fixture
@@ -219,8 +257,75 @@ def test_whatever_a_task_does_is_recorded_and_the_run_goes_on(tmp_path):
     for result, word in zip(ended, ("no plane", "5 s", "signal 11", "status 3", "a object", ""), strict=True):
         assert word in result.failure
     assert all(r.row == {} for r in ended[:-1])
-    # done: it neither hangs again nor is the limit asked
-    assert run([{"how": "hang"}], here("ending"), tmp_path / "results.jsonl") == [ended[1]]
+    assert [r.limit for r in ended] == [None, 5, None, None, None, None]
+    # done: it does not hang again
+    assert run([{"how": "hang"}], here("ending"), tmp_path / "results.jsonl", seconds=5) == [ended[1]]
+
+
+@pytest.mark.parametrize("how", ["fork", "subprocess"])
+def test_what_a_task_leaves_behind_ends_with_its_process(how, tmp_path, started):
+    tasks, results = tmp_path / "tasks.jsonl", tmp_path / "results.jsonl"
+    tasks.write_text(json.dumps({"how": how, "folder": str(tmp_path)}) + "\n")
+    assert started("experiments.runner", here("leaving"), tasks, results, "--seconds", 60).wait(DEADLINE) == 0
+    with Store(results) as store:
+        assert [(item["status"], item["failure"]) for item in store.items] == [("died", "exit status 3")]
+    until(lambda: not running(int((tmp_path / how).read_text())))
+
+
+def test_what_a_limit_ended_is_done_again_under_a_larger_one(tmp_path):
+    path = tmp_path / "results.jsonl"
+    short = run([{"how": "hang"}], here("ending"), path, seconds=2)
+    assert run([{"how": "hang"}], here("ending"), path, seconds=1) == short
+    assert run([{"how": "hang"}], here("ending"), path, seconds=3)[0].limit == 3
+    assert recorded(path) == 2
+    for megabytes, status in ((300, "memory"), (200, "memory"), (None, "ok"), (300, "ok")):
+        assert [r.status for r in run([{"megabytes": 400}], here("hog"), path, megabytes=megabytes)] == [status]
+    assert recorded(path) == 4
+    # a line of before limits were written
+    old = json.loads(path.read_text().splitlines()[0])
+    del old["limit"]
+    path.write_text(json.dumps(old) + "\n")
+    assert [r.limit for r in run([{"how": "hang"}], here("ending"), path, seconds=3)] == [None]
+
+
+def test_an_error_is_no_end(tmp_path):
+    path, folder = tmp_path / "results.jsonl", str(tmp_path)
+    tasks = [{"k": k, "folder": folder} for k in range(3)]
+    (tmp_path / "read1").write_text("one")
+    run(tasks, here("reading"), path, jobs=1)
+    calm = lines(path)
+    whole = path.read_text().splitlines(keepends=True)
+    # killed at any moment, the errors too are there once
+    for kept in range(3):
+        path.write_text("".join(whole[:kept]))
+        assert [r.status for r in run(tasks, here("reading"), path, jobs=1)] == ["error", "ok", "error"]
+        assert lines(path) == calm
+    (tmp_path / "read0").write_text("zero")
+    for _ in range(2):
+        assert [r.status for r in run(tasks, here("reading"), path, jobs=1)] == ["ok", "ok", "error"]
+        assert recorded(path) == 4
+
+
+def test_results_of_other_code_are_used_loudly(tmp_path, monkeypatch, capsys):
+    path, tasks = tmp_path / "results.jsonl", [{"k": k} for k in range(4)]
+    asked = []
+    for commit, most in (("a" * 40, 2), ("b" * 40 + "+", 3)):
+        monkeypatch.setattr(report, "_commit", lambda commit=commit: asked.append(commit) or commit)
+        run(tasks[:2], here("drawn"), path, jobs=1)
+        assert [r.commit for r in run(tasks[:most], here("drawn"), path, jobs=1)][most - 1] == commit
+        said = capsys.readouterr().err
+    assert said.count("OTHER CODE") == 2
+    assert "2 OF 2 RESULTS USED ARE OF OTHER CODE than bbbbbbbbb+: 2 of aaaaaaaaa;" in said
+    # once a run, not a task
+    assert len(asked) == 4
+    first, *others = path.read_text().splitlines(keepends=True)
+    old = {name: value for name, value in json.loads(first).items() if name not in ("commit", "limit")}
+    path.write_text("".join([json.dumps(old) + "\n", *others]))
+    assert [r.commit[:1] for r in run(tasks[:3], here("drawn"), path, jobs=1)] == ["", "a", "b"]
+    assert "2 OF 3 RESULTS USED" in (said := capsys.readouterr().err)
+    assert "1 of an unknown commit" in said
+    run(tasks[2:3], here("drawn"), path, jobs=1)
+    assert "OTHER CODE" not in capsys.readouterr().err
 
 
 def test_a_task_is_held_to_its_own_memory(tmp_path):
@@ -237,6 +342,39 @@ def test_a_function_that_is_not_there_stops_the_run(tmp_path):
         with pytest.raises(RuntimeError, match="absent"):
             run([{"k": 1}, {"k": 2}], here("absent"), tmp_path / "results.jsonl", jobs=jobs)
     assert recorded(tmp_path / "results.jsonl") == 0
+
+
+@pytest.mark.parametrize(("dying", "starts"), [(2, 3), (9, 3)])
+def test_a_process_that_ends_while_it_loads_is_started_again(dying, starts, tmp_path, monkeypatch):
+    loads = tmp_path / "loads"
+    text = f"""
+        import os
+        with open({str(loads)!r}, "a+") as file:
+            print(file=file, flush=True)
+            file.seek(0)
+            if len(file.readlines()) <= {dying}:
+                os._exit(9)
+        def function(k):
+            return {{"k": k}}
+    """
+    (tmp_path / "dying.py").write_text(textwrap.dedent(text))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    if dying < starts:
+        assert run([{"k": 1}], "dying:function", tmp_path / "results.jsonl", jobs=1)[0].row == {"k": 1}
+    else:
+        with pytest.raises(RuntimeError, match="cannot be loaded: exit status 9"):
+            run([{"k": 1}], "dying:function", tmp_path / "results.jsonl", jobs=1)
+    assert recorded(loads) == starts
+
+
+def test_a_function_that_raises_while_it_loads_is_given_up_at_once(tmp_path, monkeypatch):
+    (tmp_path / "raising.py").write_text(
+        f"print(file=open({str(tmp_path / 'loads')!r}, 'a'))\nraise ValueError('no')\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with pytest.raises(RuntimeError, match="ValueError: no"):
+        run([{"k": 1}], "raising:function", tmp_path / "results.jsonl", jobs=1)
+    assert recorded(tmp_path / "loads") == 1
 
 
 def test_a_killed_runner_goes_on_where_it_was(tmp_path, listed, started):
@@ -258,17 +396,10 @@ def test_a_killed_runner_goes_on_where_it_was(tmp_path, listed, started):
 
 
 @pytest.mark.parametrize("runner_too", [False, True])
-def test_a_killed_worker_of_a_cluster_changes_nothing(runner_too, tmp_path, listed, started):
-    pytest.importorskip("distributed", reason="runs on a cluster need dask.distributed")
+def test_a_killed_worker_of_a_cluster_changes_nothing(runner_too, tmp_path, listed, started, cluster):
     _, path, calm = listed
-    results, about = tmp_path / "results.jsonl", tmp_path / "scheduler.json"
-    scheduler = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", about)
-    started("distributed.cli.dask_scheduler", *scheduler)
-    until(about.exists)
-    address = json.loads(about.read_text())["address"]
-    for _ in range(2):
-        started("distributed.cli.dask_worker", address, "--no-dashboard", "--nthreads", 1, "--no-nanny")
-    command = ("experiments.runner", here("gated"), path, results, "--dask", address)
+    results = tmp_path / "results.jsonl"
+    command = ("experiments.runner", here("gated"), path, results, "--dask", cluster(2))
     runner = started(*command)
     waiting: list[int] = []
 
@@ -290,3 +421,31 @@ def test_a_killed_worker_of_a_cluster_changes_nothing(runner_too, tmp_path, list
     assert lines(results) == calm
     assert [len(marks(tmp_path, k)) for k in done] == [1] * len(done)
     assert len(marks(tmp_path, waiting[0])) == 2
+
+
+def test_a_cluster_keeps_no_old_code_from_a_killed_run(tmp_path, started, cluster):
+    go, begun = tmp_path / "go", tmp_path / "begun"
+    old = f"""
+        import pathlib, time
+        def function(k):
+            pathlib.Path({str(begun)!r}).touch()
+            while not pathlib.Path({str(go)!r}).exists():
+                time.sleep(0.02)
+            return {{"code": "old"}}
+    """
+    module, tasks, results = tmp_path / "changing.py", tmp_path / "tasks.jsonl", tmp_path / "results.jsonl"
+    module.write_text(textwrap.dedent(old))
+    tasks.write_text('{"k": 1}\n')
+    address = cluster(1)
+    command = ("experiments.runner", "changing:function", tasks, results, "--dask", address)
+    killed = started(*command)
+    until(begun.exists)
+    killed.kill()
+    killed.wait()
+    module.write_text("def function(k):\n    return {'code': 'new'}\n")
+    runner = started(*command)
+    until(lambda: (tmp_path / "results.runs.jsonl").exists() and recorded(tmp_path / "results.runs.jsonl") == 2)
+    go.touch()
+    assert runner.wait(DEADLINE) == 0
+    with Store(results) as store:
+        assert [item["row"] for item in store.items] == [{"code": "new"}]

@@ -13,7 +13,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m experiments.runner", description="Many tasks into one file.")
     parser.add_argument("function", metavar="MODULE:FUNCTION")
     parser.add_argument("tasks", type=Path, help="JSON Lines: the keyword arguments of a call in every line")
-    parser.add_argument("results", type=Path, help="JSON Lines to append to; what is there is not done again")
+    parser.add_argument(
+        "results", type=Path, help="JSON Lines to append to; what has ended there, but with an error, is not done again"
+    )
     parser.add_argument("--jobs", type=int, default=-1, help="tasks at a time; by default one a core")
     parser.add_argument("--dask", default="", metavar="tcp://…", help="scheduler of a cluster to run them on instead")
     parser.add_argument("--seconds", type=float, help="that a task may take")

@@ -1,13 +1,14 @@
-"""Many tasks into one file: what it holds is not done again."""
+"""Many tasks into one file: what has ended in it is not done again."""
 
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -48,11 +49,16 @@ def run(
     seconds: float | None = None,
     megabytes: float | None = None,
 ) -> list[Result]:
-    """Calls `function(**task)` for every task that a file has no result of, and appends what comes of it at once.
+    """Calls `function(**task)` for every task that has not ended in a file, and appends what comes of it at once.
 
-    A task that raises, hangs, takes too much memory or ends its process has that as its result, and the run goes on; to
-    have it done again, remove its line. Where the rows come from (command, commit, versions, machine, time) is a line a
-    run in `NAME.runs.jsonl` beside the file, with the number of results that were there before.
+    A task that raises, hangs, takes too much memory or ends its process has that as its result, and the run goes on. Of
+    several lines of a task the last counts. Two ends are no ends and are done again: an error, and what a limit ended
+    that was smaller than now (but not if its line is of old and does not say the limit). An error that comes again is
+    not written again. To have anything else done again, remove its line.
+
+    Lines of another commit are used, and stderr is told how many; two states of a changed checkout are not told apart.
+    Where the rows come from (command, commit, versions, machine, time) is a line a run in `NAME.runs.jsonl` beside the
+    file, with the number of lines that were there before.
 
     Args:
         tasks: keyword arguments of the calls, JSON values; equal ones are one task.
@@ -71,17 +77,25 @@ def run(
         RuntimeError: the function cannot be loaded, another runner writes the file, or tasks were lost with a cluster.
         ValueError: a task is not finite, or a line of the file is no result.
     """
-    config = Config(function, jobs, dask, seconds, megabytes)
+    config, limits = Config(function, jobs, dask, seconds, megabytes), Limits(seconds, megabytes)
     wanted = [Task(function, parameters) for parameters in tasks]
     by_identity = {task.identity: task for task in wanted}
     with Store(path) as store:
-        done = _results(store).keys()
+        before = _results(store)
+        done = {identity for identity, result in before.items() if _is_end(result, limits)}
         todo = [task for identity, task in by_identity.items() if identity not in done]
+        about = _about(config, len(todo))
+        _tell([before[identity] for identity in by_identity.keys() & done], about["commit"], store.path)
         if todo:
-            _note(config, store, len(todo))
-            _work(config, store, todo, len(by_identity))
-        results = _results(store)
-    return [results[task.identity] for task in wanted]
+            with Store(path.with_suffix(".runs.jsonl")) as runs:
+                runs.append({"results_before": len(store.items), **about})
+            with closing(_work(config, limits, todo, len(by_identity))) as results:
+                for result in results:
+                    line = result._replace(commit=about["commit"])
+                    if not line.repeats(before.get(line.identity)):
+                        store.append(line._asdict())
+        after = _results(store)
+    return [after[task.identity] for task in wanted]
 
 
 def _results(store: Store) -> dict[str, Result]:
@@ -91,22 +105,38 @@ def _results(store: Store) -> dict[str, Result]:
         raise ValueError(f"{store.path} holds what is no result: {error}") from None
 
 
-def _note(config: Config, store: Store, count: int) -> None:
-    """Says where the results come from that are about to be written."""
-    started, command = datetime.now(UTC), shlex.join(sys.orig_argv)
-    about = report.provenance(command, config, f"{count} tasks", started, 0.0)
+def _is_end(result: Result, limits: Limits) -> bool:
+    # functions return what their subjects raise: an error is of the function, or of the machine
+    return result.status != "error" and not limits.allow_more(result)
+
+
+def _about(config: Config, count: int) -> dict[str, Any]:
+    """Where the results come from that are about to be written."""
+    about = report.provenance(shlex.join(sys.orig_argv), config, f"{count} tasks", datetime.now(UTC), 0.0)
     del about["wall_seconds"]
-    with Store(store.path.with_suffix(".runs.jsonl")) as runs:
-        runs.append({"results_before": len(store.items), **about})
+    return about
 
 
-def _work(config: Config, store: Store, todo: list[Task], total: int) -> None:
-    limits = Limits(config.seconds, config.megabytes)
+def _tell(used: list[Result], commit: str, path: Path) -> None:
+    """Says loudly what is used of other code."""
+    others = Counter(_short(result.commit) for result in used if result.commit != commit)
+    if others:
+        listed = ", ".join(f"{count} of {other}" for other, count in others.most_common())
+        said = f"{others.total()} OF {len(used)} RESULTS USED ARE OF OTHER CODE than {_short(commit)}: {listed}"
+        print(f"{path}: {said}; remove their lines to have them done again", file=sys.stderr)
+
+
+def _short(commit: str) -> str:
+    return commit[:9] + "+" * commit.endswith("+") if commit else "an unknown commit"
+
+
+def _work(config: Config, limits: Limits, todo: list[Task], total: int) -> Generator[Result, None, None]:
+    """Results as they come, with a bar of progress."""
     results = on_cluster(todo, limits, config.dask) if config.dask else on_machine(todo, limits, config.jobs)
     failed: Counter[str] = Counter()
     with closing(results), tqdm(total=total, initial=total - len(todo), unit="task", disable=None) as bar:
         for result in results:
-            store.append(result._asdict())
+            yield result
             bar.update()
             if result.status != "ok":
                 failed[result.status] += 1

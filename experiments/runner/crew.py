@@ -62,14 +62,18 @@ class Crew:
             while self._idle:
                 self._idle.pop().end()
 
+    def close(self) -> None:
+        """Ends all workers, for good."""
+        with self._lock:
+            self._closed = True
+            for worker in self._busy:
+                worker.kill()
+        self.dismiss()
+
     def __enter__(self) -> Self:
         """Itself."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, at: TracebackType | None) -> None:
         """Ends all workers."""
-        with self._lock:
-            self._closed = True
-            for worker in self._busy:
-                worker.kill()
-        self.dismiss()
+        self.close()

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import psutil
 
-from experiments.runner.result import Status
+from experiments.runner.result import Result, Status
 
 
 class Limits(NamedTuple):
@@ -25,6 +25,15 @@ class Limits(NamedTuple):
         if self.megabytes is not None and _resident(pid) > self.megabytes:
             return "memory", f"more than {self.megabytes:g} MiB"
         return None
+
+    def of(self, status: Status) -> float | None:
+        """The limit that ends a task with a status; None if there is none."""
+        return {"timeout": self.seconds, "memory": self.megabytes}.get(status)
+
+    def allow_more(self, result: Result) -> bool:
+        """Whether a task that was ended by a limit now has a larger one, or none."""
+        now = self.of(result.status)
+        return result.limit is not None and (now is None or now > result.limit)
 
 
 def _resident(pid: int) -> float:

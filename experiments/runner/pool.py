@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Generator, Sequence
+from uuid import uuid4
 
 from joblib import Parallel, delayed
 
@@ -22,8 +23,8 @@ def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Re
         yield from parallel(delayed(crew.attempt)(task, limits) for task in tasks)
 
 
-CREW = Crew()
-"""Of a process of the cluster, kept from task to task."""
+CREWS: dict[str, Crew] = {}
+"""Of a process of the cluster, by the run: workers that a killed run left there hold the code of its day."""
 
 
 def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator[Result, None, None]:
@@ -36,27 +37,39 @@ def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator
     from distributed import CancelledError, Client, as_completed
     from distributed.scheduler import KilledWorker
 
-    lost = 0
+    lost, run = 0, uuid4().hex
     with Client(address, set_as_default=False) as client:
-        # joblib's backend for a cluster waits for ever for a task that was given up
-        futures = as_completed(client.map(_attempt, tasks, limits=limits, pure=False), loop=client.loop)
-        for future in futures:
-            try:
-                result = future.result()
-            except (KilledWorker, CancelledError):
-                lost += 1
-                continue
-            # a result that is kept there would be computed anew if its process were lost
-            future.release()
-            yield result
         client.run(_dismiss, on_error="ignore")
+        try:
+            # joblib's backend for a cluster waits for ever for a task that was given up
+            futures = client.map(_attempt, tasks, limits=limits, run=run, pure=False)
+            for future in as_completed(futures, loop=client.loop):
+                try:
+                    result = future.result()
+                except (KilledWorker, CancelledError):
+                    lost += 1
+                    continue
+                # a result that is kept there would be computed anew if its process were lost
+                future.release()
+                yield result
+        finally:
+            client.run(_close, run, on_error="ignore")
     if lost:
         raise RuntimeError(f"{lost} tasks were lost with the processes of the cluster: run again for them")
 
 
-def _attempt(task: Task, limits: Limits) -> Result:
-    return CREW.attempt(task, limits)
+def _crew(run: str) -> Crew:
+    return CREWS.setdefault(run, Crew())
+
+
+def _attempt(task: Task, limits: Limits, run: str) -> Result:
+    return _crew(run).attempt(task, limits)
 
 
 def _dismiss() -> None:
-    CREW.dismiss()
+    for crew in list(CREWS.values()):
+        crew.dismiss()
+
+
+def _close(run: str) -> None:
+    _crew(run).close()

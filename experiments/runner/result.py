@@ -19,6 +19,8 @@ class Result(NamedTuple):
         failure: why there is no row.
         seconds: that it took, as a clock on the wall measures.
         host: the machine that it ran on.
+        commit: of the code that was checked out, + where that was changed; empty where unknown, as in lines of old.
+        limit: that ended it, seconds ("timeout") or MiB ("memory"); None where none did, and in lines of old.
     """
 
     identity: str
@@ -28,6 +30,12 @@ class Result(NamedTuple):
     failure: str
     seconds: float
     host: str
+    commit: str = ""
+    limit: float | None = None
+
+    def repeats(self, earlier: "Result | None") -> bool:
+        """Whether an earlier line of the task says the same, but for how long it took and where."""
+        return earlier is not None and self == earlier._replace(task=self.task, seconds=self.seconds, host=self.host)
 
     @property
     def columns(self) -> dict[str, Any]:

@@ -12,15 +12,20 @@ import subprocess
 import sys
 from contextlib import suppress
 from multiprocessing import Pipe
-from time import perf_counter
+from time import perf_counter, sleep
+
+import psutil
 
 from experiments.report import PROJECT, Row
 from experiments.runner.limits import Limits
 from experiments.runner.result import Result, Status
 from experiments.runner.task import Task
 
-START_SECONDS = 600.0
-"""Within which a function must be loaded."""
+STARTS = 3
+"""Processes that may end while they load a function; a function that raises then is given up at once."""
+
+LOADING = Limits(seconds=600.0)
+"""Of a function."""
 
 STEP_SECONDS = 0.05
 """Between two looks at the memory: what is taken meanwhile comes on top of the limit."""
@@ -49,14 +54,26 @@ class Worker:
     """
 
     def __init__(self, function: str):
-        """Starts the process.
+        """Starts the process, and again if it ends before it says whether the function is loaded.
 
         Raises:
             RuntimeError: the function cannot be loaded.
         """
-        self.function, self.used, self.alive = function, False, True
+        self.function, self.used = function, False
+        for _ in range(STARTS):
+            self._start()
+            status, said = self._answer(LOADING)
+            if status == "ok":
+                break
+        if status != "ok" or said:
+            self.end()
+            raise RuntimeError(f"{function} cannot be loaded: {said}")
+
+    def _start(self) -> None:
+        self.alive = True
         self._pipe, theirs = Pipe()
-        command = [sys.executable, "-m", "experiments.runner.serving", str(theirs.fileno()), str(os.getpid()), function]
+        name = self.function
+        command = [sys.executable, "-m", "experiments.runner.serving", str(theirs.fileno()), str(os.getpid()), name]
         with theirs:
             self._process = subprocess.Popen(
                 command,
@@ -66,61 +83,66 @@ class Worker:
                 stdout=2,  # the runner's own output is not the tasks'
                 start_new_session=True,  # a group of its own: killed with its subprocesses, and spared Ctrl-C
             )
-        try:
-            why = self._pipe.recv() if self._pipe.poll(START_SECONDS) else f"not within {START_SECONDS:g} s"
-        except (EOFError, OSError):
-            why = self._ended()
-        if why:
-            self.end()
-            raise RuntimeError(f"{function} cannot be loaded: {why}")
 
     def attempt(self, task: Task, limits: Limits) -> Result:
         """Does a task, and ends the process if it is over a limit. Nothing that a task does is raised here."""
         self.used = True
         start = perf_counter()
-        status: Status
-        row: Row = {}
-        try:
+        # a process that has ended says so when its answer is waited for
+        with suppress(OSError):
             self._pipe.send(task.parameters)
-            exceeded = self._exceeded(start, limits)
-            if exceeded is None:
-                status, row, failure, seconds = json.loads(self._pipe.recv())
-            else:
-                (status, failure), seconds = exceeded, perf_counter() - start
-                self.end()
+        status, said = self._answer(limits)
+        row: Row = {}
+        failure, seconds = said, perf_counter() - start
+        if status == "ok":
+            status, row, failure, seconds = json.loads(said)
+        limit = limits.of(status)
+        return Result(task.identity, task.parameters, status, row, failure, seconds, platform.node(), limit=limit)
+
+    def _answer(self, limits: Limits) -> tuple[Status, str]:
+        """What the process says ("ok"), or how it has ended; with anything but "ok" it has."""
+        start = perf_counter()
+        try:
+            while not self._pipe.poll(STEP_SECONDS):
+                # what was forked within a task may keep the pipe of a dead process open
+                if self._gone() and not self._pipe.poll(0):
+                    return "died", self._ended()
+                exceeded = limits.exceeded(perf_counter() - start, self._process.pid)
+                if exceeded:
+                    self.end()
+                    return exceeded
+            return "ok", self._pipe.recv()
         except (EOFError, OSError):
-            status, failure, seconds = "died", self._ended(), perf_counter() - start
+            return "died", self._ended()
         except BaseException:
             # its answer would be taken for that of the next task
             self.end()
             raise
-        return Result(task.identity, task.parameters, status, row, failure, seconds, platform.node())
 
-    def _exceeded(self, start: float, limits: Limits) -> tuple[Status, str] | None:
-        """Waits until a limit is exceeded, or there is an answer or an end of the process (None)."""
-        while not self._pipe.poll(STEP_SECONDS):
-            exceeded = limits.exceeded(perf_counter() - start, self._process.pid)
-            # a subprocess that was forked within the task may keep the pipe of a dead process open
-            gone = self._process.poll() is not None and not self._pipe.poll(0)
-            if exceeded or gone:
-                return None if gone else exceeded
-        return None
+    def _gone(self) -> bool:
+        # not by `poll`, which frees the number of the process, and with it that of the group of its subprocesses
+        try:
+            return psutil.Process(self._process.pid).status() == psutil.STATUS_ZOMBIE
+        except psutil.NoSuchProcess:
+            return True
 
     def _ended(self) -> str:
-        """How the process has ended."""
-        try:
-            code = self._process.wait(END_SECONDS)
-        except subprocess.TimeoutExpired:
+        """How the process has ended; what is left of it ends too."""
+        start = perf_counter()
+        while not (gone := self._gone()) and perf_counter() - start < END_SECONDS:
+            sleep(STEP_SECONDS)
+        self.end()
+        code = self._process.returncode
+        if not gone:
             return "closed its pipe"
-        finally:
-            self.end()
         return f"exit status {code}" if code >= 0 else f"killed by signal {-code}: {signal.strsignal(-code)}"
 
     def kill(self) -> None:
         """Kills the process and the subprocesses of its tasks; who waits for its answer learns that it has ended."""
         self.alive = False
         if self._process.returncode is None:
-            with suppress(ProcessLookupError):
+            # macOS permits no signal to a group whose processes have all ended
+            with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def end(self) -> None:
