@@ -1,10 +1,10 @@
 """Objects with a part removed, completed by the detected plane (the paper's figure of completion), and how well.
 
 A completed cloud is the points and their mirror images, P ∪ Q (Sec. 5.6). The gap is the distance from the removed
-points to it, in diagonals; what is added is measured against the whole object too, as a wrong plane adds points where
-there is no object. Mirroring cannot fill what was removed on both sides: the true plane is the best that it can do, and
-another sample of the whole object the best that can be seen. Generated objects, in random poses; the paper has a figure
-of other objects and no number.
+points to it, in diagonals; what is added is measured against another sample of the whole object too, as a wrong plane
+adds points where there is no object. Mirroring cannot fill what was removed on both sides: the true plane is the best
+that it can do, and a third sample of the whole object, in place of the points, the best that can be seen. Generated
+objects, in random poses; the paper has a figure of other objects and no number.
 """
 
 from collections.abc import Iterator, Sequence
@@ -65,10 +65,10 @@ class Part(NamedTuple):
     """An object of which a part is missing.
 
     Attributes:
-        whole: the object, twice as dense, in its pose.
+        whole: a sample of the whole object, twice as dense, in its pose.
         kept: points that are left.
         removed: points that are not.
-        anew: as many other points of the whole object.
+        anew: as many points of the whole object again; no two of the samples have a point in common.
     """
 
     whole: Sample
@@ -85,14 +85,14 @@ class Part(NamedTuple):
 def part(config: Config, kind: str, seed: int, *, posed: bool) -> Part:
     """An object and what is removed of it: the same part in its own frame and in a random pose."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    whole = samples.generate(kind, num_points=2 * config.num_points, rng=rng)
+    whole = samples.generate(kind, num_points=4 * config.num_points, rng=rng)
     if posed:
         # distances are then in diagonals of the object in its own frame
         whole = samples.pose(whole, np.random.default_rng([seed, 1]), scale=1 / whole.diagonal)
     order = np.random.default_rng([seed, 2]).permutation(len(whole.points))
-    given, anew = (whole.points[order[half::2]] for half in (0, 1))
+    given, anew, reference = np.split(whole.points[order], [config.num_points, 2 * config.num_points])
     kept, rows = samples.remove_part(given, config.missing, np.random.default_rng([seed, 3]))
-    return Part(whole, kept, np.delete(given, rows, axis=0), anew)
+    return Part(whole._replace(points=reference), kept, np.delete(given, rows, axis=0), anew)
 
 
 def run(config: Config) -> list[Row]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from experiments import report
+from experiments.contents import CONTENTS, script
 
 ONE_OBJECT = ["--objects", "1", "--num-points", "300", "--methods", "pca", "--jobs", "1"]
 
@@ -21,6 +22,7 @@ TINY = {
     "coverage": ["--clouds", "2"],
     "deviation": ["--trials", "2"],
     "equivariance": ["--kinds", "1", "--methods", "robust"],
+    "gradient": ["--fits", "fit_plane newton", "--num-pairs", "60"],
     "growth": ["--sizes", "300,600", "--methods", "pca,3dsymm-all"],
     "gte_sde": ONE_OBJECT,
     "landscape": [],
@@ -34,8 +36,16 @@ TINY = {
         *("--methods", "robust,sym-hks-cleaned", "--kinds", "1"),
         *("--conditions", "out100", "--data", "absent"),
     ],
+    "self_scale": ["--num-pairs", "100", "--seeds", "1", "--trials", "2", "--trial-pairs", "100"],
     "scale": ["--repeats", "1", "--memory-points", "0"],
+    "speed_fit": ["--sizes", "100", "--restarts", "2", "--repeats", "1"],
+    "speed_objective": ["--num-pairs", "100", "--planes", "8", "--repeats", "1"],
+    "speed_sweep": [
+        *("--num-pairs", "100", "--scales", "1", "--restarts", "8", "--repeats", "1"),
+        *("--memory-pairs", "100", "--memory-restarts", "8"),
+    ],
     "sphere": [],
+    "success": ["--sizes", "100", "--seeds", "1", "--restarts", "4"],
     "sym_hks_ablation": ["--choices", "starts", "--conditions", "out20 dropped", "--num-points", "600"],
     "start_angle": [
         *("--angles", "0,60", "--kinds", "1", "--num-points", "800"),
@@ -43,10 +53,16 @@ TINY = {
     ],
     "timing": ["--repeats", "1"],
 }
+CHECKS = ("checks", "transformations")
 DRAWN = (
     *("arena", "articulated", "completion", "deviation", "growth", "landscape", "missing"),
     *("outliers", "precision_recall", "start_angle", "sym_hks_ablation"),
 )
+
+
+def test_all_experiments_of_the_contents_are_there_and_run_here():
+    assert set(TINY) | set(CHECKS) == set(CONTENTS)
+    assert [name for name in CONTENTS if not script(name).is_file()] == []
 
 
 @pytest.mark.parametrize("name", TINY)
@@ -64,7 +80,7 @@ def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, ca
     assert f"{name} (small)" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["checks", "transformations"])
+@pytest.mark.parametrize("name", CHECKS)
 def test_the_checks_meet_their_targets(name, tmp_path):
     module = importlib.import_module(f"experiments.{name}")
     module.main(["--size", "small", "--out", str(tmp_path), "--problems", "2"])

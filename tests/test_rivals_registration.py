@@ -200,11 +200,24 @@ class TestCicconet:
         )
         assert deviation(cicconet.find(cut, rng=rng).plane(), quadruped).angle < start
 
+    def test_the_score_is_the_distance_that_is_left_and_as_released_the_strength(self, quadruped, rng):
+        few = quadruped.points[:700]
+        noisy = few + 0.03 * quadruped.diagonal * rng.normal(size=few.shape)
+        clean, worse = (cicconet.find(points, rng=rng).scores for points in (few, noisy))
+        assert worse[0] < clean[0] < 0
+        for points in (few, noisy):
+            assert cicconet.find(points, rng=rng, as_released=True).scores[0] == 1
+
+    def test_strengths_are_in_inverse_proportion_to_the_distances(self):
+        np.testing.assert_allclose(cicconet.strengths(np.array([0.2, 0.1, 0.4])), [0.5, 1, 0.25])
+
     def test_an_exact_cloud_on_the_grid_has_finite_scores(self, rng):
         half = rng.integers(1, 9, size=(60, 3)).astype(float)
-        found = cicconet.find(np.concatenate([half, half * (-1, 1, 1)]) * (1, 2, 4), rng=rng)
-        assert found.scores[0] == 1
-        assert np.isfinite(found.scores).all()
+        exact = np.concatenate([half, half * (-1, 1, 1)]) * (1, 2, 4)
+        assert cicconet.find(exact, rng=rng).scores[0] == pytest.approx(0, abs=1e-12)
+        released = cicconet.find(exact, rng=rng, as_released=True)
+        assert released.scores[0] == 1
+        assert np.isfinite(released.scores).all()
 
     def test_the_released_scaling_bends_planes_that_are_oblique_to_the_coordinates(self, rng):
         upright, oblique = np.array([1.0, 0.0, 0.0]), np.array([0.8, 0.6, 0.0])

@@ -6,8 +6,9 @@ program SymmetryViaRegistration that its authors released.
 A reflection S about any plane, followed by the rigid motion (R, t) that takes the image onto the cloud, is the
 reflection of the cloud, if it has one: its normal is the eigenvector of R S at −1, whatever the first plane was. As in
 the program: first planes across the three principal axes, point-to-point ICP without trimming, 100 iterations, at most
-10 000 points; the strength is 1 / (root mean square distance), divided by the largest of the three. Ours: one unit for
-all coordinates, all first planes through the mean (`as_released` undoes these two), and when to stop before 100.
+10 000 points. Ours: one unit for all coordinates, all first planes through the mean, and minus the root mean square
+distance as the score (`as_released` undoes these three), and when to stop before 100. The program's strength is
+1 / (root mean square distance), divided by the largest of the three: the same order, but no scale to compare clouds by.
 """
 
 from typing import NamedTuple
@@ -52,10 +53,11 @@ def find(
         tolerance: a registration ends once its distance falls by less than this share.
         as_released: what the program does. Each coordinate is divided by its own standard deviation, and planes are
             only shifted back, so that normals are wrong where the three differ. The first planes of the second and
-            third axis pass through the plane that was found before, not through the mean.
+            third axis pass through the plane that was found before, not through the mean. The score is the strength,
+            1 for the strongest of the three.
 
     Returns:
-        The planes; the score is the strength, 1 for the strongest.
+        Planes by minus the root mean square distance of moved images from the cloud, in mean radii.
     """
     frame = framed(points, rng, most=num_points)
     if as_released:
@@ -69,9 +71,14 @@ def find(
         found = register(reflect(axis, offset, frame.points), tree, max_steps=max_steps, tolerance=tolerance)
         normals[k], point = mirror(found, axis, offset)
         offsets[k], rmses[k] = normals[k] @ point, found.rmse
+    return frame.ranking(normals, offsets, strengths(rmses) if as_released else -rmses)
+
+
+def strengths(rmses: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """What the program scores planes by: 1 / rmse, divided by the largest."""
     # an exact symmetry has no distances but those of rounding
     rmses = np.maximum(rmses, np.finfo(float).eps)
-    return frame.ranking(normals, offsets, rmses.min() / rmses)
+    return rmses.min() / rmses
 
 
 def mirror(

@@ -26,7 +26,8 @@ def find(
 ) -> Ranking:
     """The distinct planes that the three principal ones end in.
 
-    A permutation keeps the mean of the mid-points where it is: all planes pass through the mean of the points kept.
+    A permutation leaves the mean of the mid-points where it is, so that every plane passes through the mean. Those
+    of the points kept are about their own mean; the plane that is returned passes through the mean of all.
 
     Args:
         points: the cloud.
@@ -39,6 +40,8 @@ def find(
         Planes by minus the root mean square distance of mirror images from their partners, in mean radii.
     """
     frame = framed(points, rng, most=most)
+    # the mean of a few points is several times as far from the plane as the mean of all
+    frame = frame._replace(points=frame.points - frame.points.mean(axis=0))
     return ended(frame, principal_axes(frame.points), assigned(frame.points), steps=steps, tol=tol)
 
 
