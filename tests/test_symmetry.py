@@ -113,6 +113,22 @@ def test_what_has_one_plane_has_one_plane(kind):
     assert found.plane.angle(Plane(*truth.planes[0])) < 1
 
 
+@pytest.mark.parametrize(("kind", "count"), [("block", 3), ("cube", 9), ("prism", 8), ("pyramid", 6)])
+def test_all_planes_of_what_has_several_are_told(kind, count):
+    found, truth = detection_of(kind), sample_of(kind)
+    assert len(truth.planes) == len(found.planes) == count
+    for normal, offset in truth.planes:
+        assert sum(near(plane, Plane(normal, offset), found) for plane in found.planes) == 1
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_body_of_revolution_with_a_handle_has_one_plane(seed):
+    """All planes through the axis of a jug score nearly as much, and none but one is a peak."""
+    found = symjax.detect(pose(generate("jug", num_points=5000, rng=seed), seed + 1).points)
+    assert min(candidate.score for candidate in found.candidates[:4]) > 0.85 * found.score
+    assert (found.symmetry, found.ambiguous, len(found.planes)) == ("one plane", False, 1)
+
+
 @pytest.mark.parametrize("kind", ["scrap", "tree", "hand"])
 def test_what_has_no_plane_has_none(kind):
     found = detection_of(kind)

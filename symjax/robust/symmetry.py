@@ -37,10 +37,10 @@ AS_GOOD = 0.97
 """Share of the best merit from which on another plane is as good."""
 
 VALLEY = 0.95
-"""Share of a plane's own score below which that of the planes on the way to every better one must fall somewhere. A body
-of revolution with a handle agrees with all planes through its axis nearly as well as with the handle's: those are no
-mirror planes but the shoulder of one. On generated clouds the planes on the way to a true second plane fell to 0.02 to
-0.81 (whole, 5 000 points) and those to a false one to 0.97 at the lowest."""
+"""Share of a plane's own score below which that of the planes on the way to every better one must fall somewhere. A
+body of revolution with a handle agrees with all planes through its axis nearly as well as with the handle's: those are
+no mirror planes but the shoulder of one. On generated clouds, whole and of 5 000 points, the planes on the way to a
+true second plane fell to between 0.02 and 0.81, and those on the way to a false one to 0.97 at the lowest."""
 
 WAY = 6
 """Planes that are looked at on the way."""
@@ -87,7 +87,8 @@ def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, latt
 
     if best.score <= threshold(best):
         return Verdict(threshold(best), "none", False, None, ())
-    holding = _separate([c for c in ranked if c.score > threshold(c) and c.merit > HOLDS * best.merit], surface, lattice)
+    holding = [c for c in ranked if c.score > threshold(c) and c.merit > HOLDS * best.merit]
+    holding = _separate(holding, surface, lattice)
     planes = tuple(c.plane for c in holding)
     if len(holding) == 1:
         return Verdict(threshold(best), "one plane", False, None, planes)
