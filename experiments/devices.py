@@ -32,9 +32,7 @@ class Devices:
 
     def close(self) -> None:
         """Ends the process."""
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-        self._process.wait()
+        self._process.communicate()
 
 
 def main(num_pairs: int, scales: int, restarts: int) -> None:
