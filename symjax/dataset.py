@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 DIMENSIONS = ("cloud", "sigma", "restart")
 """Those of `sweep_clouds`; `sweep` has no clouds."""
 
-STATUSES = ("successful", "max_steps_reached", "stalled", "flat", "nonfinite")
+STATUSES = ("successful", "max_steps_reached", "stalled", "flat", "nonfinite", "unsupported")
 """The members of `RESULTS`."""
 
 ULPS = 64
