@@ -1,10 +1,15 @@
 """Strict numerics for every test: float64, rank promotion raises; warnings are errors (pyproject.toml)."""
 
+import gc
 from pathlib import Path
 
 import jax
 import numpy as np
 import pytest
+
+MOST_MAPS = 30_000
+"""Memory maps at which compiled programs are dropped: each has some ten, Linux allows 65 530, and the compiler crashes
+where it gets no more."""
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -17,6 +22,15 @@ def pytest_configure(config):
     jax.config.update("jax_numpy_rank_promotion", "raise")
     if not config.getoption("--default-flags"):
         jax.config.update("jax_enable_x64", True)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few_memory_maps():
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.is_file() and maps.read_bytes().count(b"\n") > MOST_MAPS:
+        jax.clear_caches()
+        gc.collect()
 
 
 @pytest.fixture
