@@ -116,13 +116,18 @@ def provenance(command: str, config: Any, size: str, started: datetime, seconds:
     return {
         "command": command,
         "size": size,
-        "config": dataclasses.asdict(config),
+        "config": {name: _relative(value) for name, value in dataclasses.asdict(config).items()},
         "commit": _commit(),
         "versions": {"python": platform.python_version(), "symjax": symjax.__version__, **_versions()},
         "machine": {"system": platform.platform(), "cpu": _cpu(), "cores": os.cpu_count()},
         "started": started.isoformat(timespec="seconds"),
         "wall_seconds": round(seconds, 3),
     }
+
+
+def _relative(value: Any) -> Any:
+    """A path of this machine as seen from the project: the files are kept, and read elsewhere."""
+    return os.path.relpath(value, PROJECT) if isinstance(value, str) and Path(value).is_absolute() else value
 
 
 def _commit() -> str:

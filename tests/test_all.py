@@ -1,6 +1,8 @@
 """All experiments in turn, and the page of what they left."""
 
+import dataclasses
 import json
+from datetime import UTC, datetime
 
 import pytest
 
@@ -92,6 +94,19 @@ def test_the_contents_are_all_scripts_and_no_others():
         path.stem for path in folder.glob("*.py") if "(__file__, __doc__, SIZES" in path.read_text(encoding="utf-8")
     }
     assert scripts == set(CONTENTS)
+
+
+def test_no_path_of_a_machine_is_kept():
+    @dataclasses.dataclass
+    class Config:
+        data: str = str(report.PROJECT / "experiments" / "out")
+        methods: str = "a,b"
+
+    about = report.provenance("command", Config(), "small", datetime.now(UTC), 1.0)
+    assert about["config"] == {"data": "experiments/out", "methods": "a,b"}
+    for path in (report.PROJECT / "experiments" / "out").glob("*.json"):
+        config = json.loads(path.read_text())["config"]
+        assert not [value for value in config.values() if isinstance(value, str) and value.startswith("/")]
 
 
 def test_one_experiment_runs_in_its_own_process(tmp_path, capsys):
