@@ -92,18 +92,24 @@ def items(benchmark: str, data: str, most: int) -> dict[int, str]:
     """
     if benchmark == PROCEDURAL:
         return {k: procedural.kind(k) for k in range(min(most, procedural.NUM_OBJECTS))}
+    usable: dict[int, str] = {}
+    seen = 0
     try:
-        shapes = list(_shapes(benchmark, data))
+        # one at a time: a benchmark of meshes may not fit into memory
+        for shape in _shapes(benchmark, data):
+            if len(usable) == most:
+                break
+            if shape.planes and shape.axis is None:
+                usable[seen] = shape.name
+            seen += 1
     except DataAbsentError as error:
         if benchmark != REAL:
             raise
         print(f"REAL MODELS ARE ABSENT: {error}\nSkipped.", file=sys.stderr)
-        return {}
-    usable = {k: shape.name for k, shape in enumerate(shapes) if shape.planes and shape.axis is None}
-    if len(usable) < len(shapes):
-        without = len(shapes) - len(usable)
-        print(f"{benchmark}: {without} OF {len(shapes)} OBJECTS HAVE NO PLANES OR AN AXIS: left out", file=sys.stderr)
-    return dict(islice(usable.items(), most))
+    if len(usable) < seen:
+        without = seen - len(usable)
+        print(f"{benchmark}: {without} OF {seen} OBJECTS HAVE NO PLANES OR AN AXIS: left out", file=sys.stderr)
+    return usable
 
 
 @lru_cache(maxsize=2)

@@ -41,7 +41,7 @@ COMPILED = ("kazhdan", "3dsymm-26", PEER)
 """Methods of which the first call in a process compiles what later ones need: its time says nothing of theirs."""
 
 AS_PRINTED = sym_hks_choices.AS_PRINTED.arguments_of_detect
-"""Of the matches and of the fit; those on matches have our choices, whichever way they fit."""
+"""The paper's choices, where it says any; likelihood and RANSAC on matches have the matches of ours."""
 
 BY_SIZE = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned")
 """Methods that may compile anew for another number of points, or of matches."""
