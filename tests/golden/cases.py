@@ -1,0 +1,112 @@
+"""What the golden file holds: clouds and pairs, and the answers to them as plain numbers.
+
+`python -m tests.golden.cases` computes all answers anew and writes `golden.json`. Do that only where answers change on
+purpose, in a commit of its own with a table of what changed.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+import symjax
+from symjax.planted import planted_pairs
+from symjax.samples import KINDS, corrupt, generate, pose
+
+FILE = Path(__file__).with_name("golden.json")
+
+NUM_POINTS = 2000
+SINGLE = [kind for kind, about in KINDS.items() if about.symmetry == "single"]
+CLOUDS = [(kind, 0) for kind in KINDS] + [(kind, 1) for kind in SINGLE[:15]]
+"""Kind and seed of 60 generated clouds."""
+
+CONDITIONS: dict[str, dict[str, Any]] = {
+    "clean": {},
+    "out100": {"outliers": 1.0},
+    "miss28": {"missing": 0.28},
+    "noise1": {"noise": 0.01},
+    "view": {"one_sided": True},
+}
+
+DETECTIONS = [(kind, seed, name, "robust") for name in CONDITIONS for kind, seed in CLOUDS] + [
+    (kind, seed, "clean", "sym-hks") for kind, seed in CLOUDS
+]
+"""Kind, seed, condition and method."""
+
+FITS = [
+    (function, blob, outliers, seed)
+    for function in ("fit_global", "sweep")
+    for blob in ("isotropic", "wide")
+    for outliers in (0.0, 0.4, 0.65, 0.8, 0.9)
+    for seed in (0, 1)
+]
+"""Function, blob, share of outliers and seed of 40 fits."""
+
+SIGMAS = (0.03, 0.1)
+
+
+def cloud(kind: str, seed: int, condition: str) -> np.ndarray:
+    """A generated object in a random pose, corrupted then."""
+    rng = np.random.default_rng([seed, *kind.encode()])
+    posed = pose(generate(kind, num_points=NUM_POINTS, rng=rng), rng)
+    return corrupt(posed.points, rng, **CONDITIONS[condition]).points
+
+
+def detection(kind: str, seed: int, condition: str, method: str) -> dict[str, Any]:
+    """The answer to a cloud."""
+    det = symjax.detect(cloud(kind, seed, condition), method)
+    scores = [candidate.merit for candidate in det.candidates]
+    return {
+        "normal": det.plane.normal.tolist(),
+        "offset": float(det.plane.offset),
+        "score": det.score,
+        "threshold": det.threshold,
+        "margin": scores[0] - scores[1] if len(scores) > 1 else 1.0,
+        "found": det.found,
+        "ambiguous": det.ambiguous,
+        "symmetry": det.symmetry,
+        "num_planes": len(det.planes),
+        "diagonal": det.diagonal,
+        "normal_error": 0.0 if det.uncertainty is None else det.uncertainty.normal_degrees,
+        "offset_error": 0.0 if det.uncertainty is None else det.uncertainty.offset,
+    }
+
+
+def fit(function: str, blob: str, outliers: float, seed: int) -> dict[str, Any]:
+    """The answer to planted pairs, in float64."""
+    pairs = planted_pairs(np.random.default_rng(seed), 200, outliers, blob)
+    with jax.enable_x64(True):
+        if function == "fit_global":
+            found = symjax.fit_global(pairs.x, pairs.y, 0.05)
+        else:
+            found = symjax.best(symjax.sweep(pairs.x, pairs.y, SIGMAS, "fibonacci", restarts=16))
+        return {
+            "normal": np.asarray(found.plane.normal).tolist(),
+            "offset": np.asarray(found.plane.offset).tolist(),
+            "loss": np.asarray(found.loss).tolist(),
+            "converged": np.asarray(found.converged).tolist(),
+        }
+
+
+def name_of(case: tuple) -> str:
+    """The key of a case in the file."""
+    return " ".join(str(part) for part in case)
+
+
+def main() -> None:
+    """Computes and writes everything."""
+    answers = {
+        "detections": {name_of(case): detection(*case) for case in DETECTIONS},
+        "fits": {name_of(case): fit(*case) for case in FITS},
+    }
+    lines = [
+        f'"{group}": {{\n' + ",\n".join(f"{json.dumps(key)}: {json.dumps(value)}" for key, value in of.items()) + "\n}"
+        for group, of in answers.items()
+    ]
+    FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
