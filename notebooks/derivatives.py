@@ -31,9 +31,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import symjax
-from symjax import samples
-from symjax.planted import planted_pairs
-from symjax.samples.sample import random_orthogonal
+from symjax import datasets
+from symjax.datasets.planted_pairs import planted_pairs
+from symjax.datasets.sample import random_orthogonal
 
 jax.config.update("jax_enable_x64", True)
 
@@ -227,7 +227,7 @@ def asymmetry(field, sigma, x, y):
 fig, axes = plt.subplots(3, 3, figsize=(7, 7), sharex=True, sharey=True)
 for seed, row in enumerate(axes):
     rng = np.random.default_rng(seed)
-    points = samples.generate("human", num_points=2000, rng=rng).points
+    points = datasets.generate("human", num_points=2000, rng=rng).points
     points = (points - (points.max(axis=0) + points.min(axis=0)) / 2) / (np.ptp(points[:, 2]) / 2)
     x = rng.permutation(points)[:240]
     y = np.where(rng.random((len(x), 1)) < 0.3, rng.permutation(x), x) * [-1, 1, 1]

@@ -24,8 +24,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import symjax
-from symjax import samples, sphere
-from symjax.planted import planted_pairs
+from symjax import datasets
+from symjax.datasets.planted_pairs import planted_pairs
+from symjax.l2e import manifolds
 
 jax.config.update("jax_enable_x64", True)
 
@@ -36,8 +37,8 @@ jax.config.update("jax_enable_x64", True)
 
 # %%
 rng = np.random.default_rng(1)
-animal = samples.pose(samples.generate("quadruped", num_points=4000, rng=rng), rng)
-scan = samples.corrupt(animal.points, rng, missing=0.2, noise=0.002, outliers=0.5).points
+animal = datasets.pose(datasets.generate("quadruped", num_points=4000, rng=rng), rng)
+scan = datasets.corrupt(animal.points, rng, missing=0.2, noise=0.002, outliers=0.5).points
 
 detection = symjax.detect(scan)
 truth = symjax.Plane(animal.normals[0], animal.offsets[0])
@@ -61,7 +62,7 @@ plt.show()
 
 # %%
 for kind in ("block", "drum", "tree"):
-    answer = symjax.detect(samples.generate(kind, num_points=3000, rng=0).points)
+    answer = symjax.detect(datasets.generate(kind, num_points=3000, rng=0).points)
     print(f"{kind:6s} {answer.symmetry}, ambiguous {answer.ambiguous}, score {answer.score:.2f}")
 
 # %%
@@ -76,7 +77,7 @@ print(len(figure.data), "traces; figure.show() opens the interactive picture")
 # %%
 pairs = planted_pairs(np.random.default_rng(0), 400, 0.8, "isotropic")
 sigmas = jnp.geomspace(0.01, 0.6, 12)
-fits = symjax.sweep(pairs.x, pairs.y, sigmas, sphere.fibonacci(32))
+fits = symjax.sweep(pairs.x, pairs.y, sigmas, manifolds.fibonacci(32))
 best = symjax.best(fits)
 planted = symjax.Plane(jnp.asarray(pairs.normal), jnp.asarray(pairs.offset))
 angles = fits.plane.angle(planted)

@@ -10,40 +10,41 @@ from typing import TYPE_CHECKING, Any
 from symjax.errors import SymjaxError, SymjaxWarning
 
 if TYPE_CHECKING:
-    from symjax import metrics, samples
-    from symjax.compilation import enable_compilation_cache
-    from symjax.detection import Detection, load
-    from symjax.files.pointfile import read_points
-    from symjax.fit import Fit, best
-    from symjax.fitting import fit_global, fit_plane
-    from symjax.objective import l2e_loss
-    from symjax.pipeline import detect
-    from symjax.plane import Plane
-    from symjax.sandwich import StandardErrors, standard_errors
-    from symjax.sweeping import sweep, sweep_clouds
+    from symjax import datasets
+    from symjax.detection.detect import detect
+    from symjax.detection.result import Detection, load
+    from symjax.geometry import distance as metrics
+    from symjax.geometry.plane import Plane
+    from symjax.io.points import read_points
+    from symjax.l2e.compilation_cache import enable_compilation_cache
+    from symjax.l2e.fit import Fit, best
+    from symjax.l2e.fit_plane import fit_global, fit_plane
+    from symjax.l2e.objective import l2e_loss
+    from symjax.l2e.standard_errors import StandardErrors, standard_errors
+    from symjax.l2e.sweep import sweep, sweep_clouds
     from symjax.symhks.correspondences import SymHKS
 
 __version__ = "0.1.0"
 
 _HOME = {
-    "Detection": "symjax.detection",
-    "Fit": "symjax.fit",
-    "Plane": "symjax.plane",
-    "StandardErrors": "symjax.sandwich",
+    "Detection": "symjax.detection.result",
+    "Fit": "symjax.l2e.fit",
+    "Plane": "symjax.geometry.plane",
+    "StandardErrors": "symjax.l2e.standard_errors",
     "SymHKS": "symjax.symhks.correspondences",
-    "best": "symjax.fit",
-    "detect": "symjax.pipeline",
-    "enable_compilation_cache": "symjax.compilation",
-    "fit_global": "symjax.fitting",
-    "fit_plane": "symjax.fitting",
-    "l2e_loss": "symjax.objective",
-    "load": "symjax.detection",
-    "read_points": "symjax.files.pointfile",
-    "standard_errors": "symjax.sandwich",
-    "sweep": "symjax.sweeping",
-    "sweep_clouds": "symjax.sweeping",
+    "best": "symjax.l2e.fit",
+    "detect": "symjax.detection.detect",
+    "enable_compilation_cache": "symjax.l2e.compilation_cache",
+    "fit_global": "symjax.l2e.fit_plane",
+    "fit_plane": "symjax.l2e.fit_plane",
+    "l2e_loss": "symjax.l2e.objective",
+    "load": "symjax.detection.result",
+    "read_points": "symjax.io.points",
+    "standard_errors": "symjax.l2e.standard_errors",
+    "sweep": "symjax.l2e.sweep",
+    "sweep_clouds": "symjax.l2e.sweep",
 }
-_MODULES = ("metrics", "samples")
+_MODULES = {"datasets": "symjax.datasets", "metrics": "symjax.geometry.distance"}
 
 __all__ = [
     "Detection",
@@ -54,6 +55,7 @@ __all__ = [
     "SymjaxError",
     "SymjaxWarning",
     "best",
+    "datasets",
     "detect",
     "enable_compilation_cache",
     "fit_global",
@@ -62,7 +64,6 @@ __all__ = [
     "load",
     "metrics",
     "read_points",
-    "samples",
     "standard_errors",
     "sweep",
     "sweep_clouds",
@@ -71,7 +72,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        return import_module(f"symjax.{name}")
+        return import_module(_MODULES[name])
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     raise AttributeError(f"module 'symjax' has no attribute {name!r}")

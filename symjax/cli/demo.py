@@ -26,7 +26,7 @@ def command(seed: int, out: Path, force: bool, cache: bool, quiet: bool, debug: 
         check_outputs({"out": out / "demo.png"}, force)
         announce("starting JAX")
         start_jax(cache=cache)
-        from symjax import demo as demonstration
+        from symjax.cli import demonstration as demonstration
 
         lines = demonstration.run(out, seed=seed, progress=announce)
     click.echo("\n".join(lines))

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from symjax import report
 from symjax.cli import options
 from symjax.cli.errors import one_line_errors
 from symjax.cli.outputs import check_outputs
 from symjax.cli.progress import progress
 from symjax.cli.start import start_jax
+from symjax.detection import summary
 
 if TYPE_CHECKING:
-    from symjax.detection import Detection
+    from symjax.detection.result import Detection
 
 
 @click.command("detect", context_settings={"show_default": True})
@@ -63,13 +63,13 @@ def command(
         check_outputs(outputs, force, file, endings={"mirror": (".ply",)})
         announce("reading")
         start = perf_counter()
-        from symjax.files.pointfile import read_points
+        from symjax.io.points import read_points
 
         points, note = read_points(file, num_samples=samples, rng=seed)
         reading = perf_counter() - start
         announce("starting JAX")
         start_jax(cache=cache)
-        from symjax import pipeline
+        from symjax.detection import detect
 
         if chosen.pop("keep_outliers"):
             chosen["drop_outliers"] = False
@@ -78,14 +78,14 @@ def command(
         if chosen["init"] is not None:
             chosen["init"] = (chosen["init"][:3], chosen["init"][3])
         given = {name: value for name, value in chosen.items() if value is not None}
-        detection = pipeline.detect(points, rng=seed, progress=announce, **given)
+        detection = detect.detect(points, rng=seed, progress=announce, **given)
         _write(detection, outputs, announce)
     if as_json:
         head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
         click.echo(json.dumps({**head, **detection.to_dict()}))
         return
     click.echo(f"{'file':<10}{file}   ({note}; read in {reading:.2f} s)")
-    for line in report.lines(detection):
+    for line in summary.lines(detection):
         click.echo(line)
     for path in outputs.values():
         if path is not None:
@@ -94,8 +94,8 @@ def command(
 
 def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:
     """Every output that was asked for; existing files were dealt with by `check_outputs`."""
-    from symjax.files.pointfile import write_points
-    from symjax.pictures.plot import write_html
+    from symjax.io.points import write_points
+    from symjax.viz.html import write_html
 
     writers: dict[str, Callable[[Path], object]] = {
         "html": lambda path: write_html(detection, path),

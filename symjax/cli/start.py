@@ -14,8 +14,8 @@ def start_jax(*, cache: bool, all_cores: bool = False) -> None:
     Raises:
         InvalidArgumentError: the cache folder cannot be made.
     """
-    from symjax.compilation import enable_compilation_cache
     from symjax.errors import InvalidArgumentError
+    from symjax.l2e.compilation_cache import enable_compilation_cache
 
     if all_cores:
         _use_all_cores()

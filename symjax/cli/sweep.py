@@ -80,10 +80,10 @@ def command(
         reading = perf_counter() - start
         stage("starting JAX")
         start_jax(cache=cache, all_cores=True)
-        from symjax.dataset import require_xarray
-        from symjax.survey import report, table
-        from symjax.survey.pairs import cloud_pairs, given_pairs
-        from symjax.survey.survey import Options, survey
+        from symjax.l2e.xarray_export import require_xarray
+        from symjax.scale_sweep import export, summary
+        from symjax.scale_sweep.pairs import cloud_pairs, given_pairs
+        from symjax.scale_sweep.run import Options, survey
 
         if out is not None and out.suffix.lower() == ".nc":
             require_xarray()
@@ -92,18 +92,18 @@ def command(
         found = survey(pairs, fractions, Options(**chosen), stage=stage, advance=advance)
         if out is not None:
             stage(f"writing {out}")
-            table.write(found, out)
+            export.write(found, out)
         if html is not None:
-            from symjax.pictures.sweep_page import write_html
+            from symjax.scale_sweep.page import write_html
 
             stage(f"writing {html}")
             write_html(found, html)
     if as_json:
         head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
-        click.echo(json.dumps({**head, **report.as_dict(found)}, allow_nan=False))
+        click.echo(json.dumps({**head, **summary.as_dict(found)}, allow_nan=False))
         return
     click.echo(f"{'file':<10}{file}   ({note}; read in {reading:.2f} s)")
-    for line in report.lines(found):
+    for line in summary.lines(found):
         click.echo(line)
     for path in outputs.values():
         if path is not None:
@@ -113,11 +113,11 @@ def command(
 def _read(file: Path, is_pairs: bool, *, samples: int, seed: int) -> tuple[tuple["Float[np.ndarray, 'n 3']", ...], str]:
     """The points, or the two ends of the pairs; and how they were read."""
     if is_pairs:
-        from symjax.files.pairfile import read_pairs
+        from symjax.io.pairs import read_pairs
 
         x, y, note = read_pairs(file)
         return (x, y), note
-    from symjax.files.pointfile import read_points
+    from symjax.io.points import read_points
 
     points, note = read_points(file, num_samples=samples, rng=seed)
     return (points,), note

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-from symjax.plane import Plane
+from symjax.geometry.plane import Plane
 from symjax.robust.surface import Surface
 
 NUM_DIRECTIONS, OFFSET_STEP = 400, 0.04

@@ -3,20 +3,20 @@
 import numpy as np
 from jaxtyping import Float
 
-from symjax import sphere
-from symjax.finding import Candidate, Finding
-from symjax.plane import Plane
-from symjax.robust.evidence import Evidence, evidence, exactness
-from symjax.robust.lattice import Lattice, lattice
-from symjax.robust.patches import Patches, patches
-from symjax.robust.polish import Polished, polish
+from symjax.geometry.plane import Plane
+from symjax.geometry.uncertainty import Uncertainty
+from symjax.l2e import manifolds
+from symjax.l2e.status import RESULTS, sentence
+from symjax.method.result import Candidate, Finding
+from symjax.method.timer import Stages
+from symjax.robust.classification import judge
+from symjax.robust.quadrics import Patches, patches
+from symjax.robust.refinement import Polished, polish
+from symjax.robust.scoring import Evidence, evidence, exactness
 from symjax.robust.search import candidates, same
 from symjax.robust.surface import Surface, surface
-from symjax.robust.symmetry import judge
-from symjax.robust.viewpoint import NUM_DIRECTIONS, find_viewpoint
-from symjax.stages import Stages
-from symjax.status import RESULTS, sentence
-from symjax.uncertainty import Uncertainty
+from symjax.robust.visibility import NUM_DIRECTIONS, find_viewpoint
+from symjax.robust.voxel_grid import Lattice, lattice
 
 MAX_POLISHED = 9
 """Candidates polished at most: a cube has nine planes."""
@@ -49,7 +49,7 @@ def find(
     """
     with stages("surface"):
         around = surface(points, normals=normals)
-        directions = np.asarray(sphere.fibonacci(NUM_DIRECTIONS), dtype=float)
+        directions = np.asarray(manifolds.fibonacci(NUM_DIRECTIONS), dtype=float)
         viewpoint = None if around.flat else find_viewpoint(around, directions)
         cells = lattice(around, viewpoint)
     with stages("searching"):

@@ -14,8 +14,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from symjax.robust.lattice import SIZE, Lattice
-from symjax.sphere import tangent_basis
+from symjax.l2e.manifolds import tangent_basis
+from symjax.robust.voxel_grid import SIZE, Lattice
 
 LANES = 64
 """Planes computed at a time."""

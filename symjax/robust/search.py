@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from symjax import sphere
-from symjax.finding import Candidate
-from symjax.plane import Plane
-from symjax.robust.evidence import evidence
+from symjax.geometry.plane import Plane
+from symjax.l2e import manifolds
+from symjax.method.result import Candidate
 from symjax.robust.hypotheses import NUM_DIRECTIONS, hypotheses
-from symjax.robust.lattice import Lattice
 from symjax.robust.registration import Planes, Probes, agreement, register
+from symjax.robust.scoring import evidence
 from symjax.robust.surface import Surface
+from symjax.robust.voxel_grid import Lattice
 
 CHUNK = 1024
 """Hypotheses are screened so many at a time, whatever their number, so that one size is compiled."""
@@ -66,7 +66,7 @@ def candidates(
         rng: draws the points that are looked at.
         prior: a plane to begin with, beside all others.
     """
-    planes = hypotheses(surface, np.asarray(sphere.fibonacci(NUM_DIRECTIONS), dtype=float), rng)
+    planes = hypotheses(surface, np.asarray(manifolds.fibonacci(NUM_DIRECTIONS), dtype=float), rng)
     if prior is not None:
         planes = Plane(np.vstack([prior.normal, planes.normal]), np.append(prior.offset, planes.offset))
     order = rng.permutation(len(surface.points))

@@ -8,17 +8,10 @@ from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
-from symjax.stages import Stages
+from symjax.method.timer import Stages
+from symjax.symhks.assignment import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
 from symjax.symhks.keypoints import NUM_KEYPOINTS, RADIUS, Keypoints, keypoints
-from symjax.symhks.matching import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
-from symjax.symhks.signatures import (
-    NUM_TIMES,
-    TimeScale,
-    diffusion_times,
-    heat_kernel_signatures,
-    sign_vectors,
-    whiten,
-)
+from symjax.symhks.signatures import NUM_TIMES, TimeScale, diffusion_times, heat_kernel_signatures, sign_vectors, whiten
 from symjax.symhks.spectrum import NUM_EIGS, Spectrum, spectrum
 
 PAIRS_PER_KEYPOINT = 0.25

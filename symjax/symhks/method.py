@@ -4,13 +4,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2
 
-from symjax.checks import checked_name
 from symjax.errors import InvalidArgumentError
-from symjax.finding import Finding
-from symjax.solvers.names import SOLVERS
-from symjax.stages import Stages
+from symjax.l2e.pairs.arguments import checked_name
+from symjax.l2e.solvers.registry import SOLVERS
+from symjax.method.result import Finding
+from symjax.method.timer import Stages
 from symjax.symhks.correspondences import SymHKS, sym_hks
-from symjax.symhks.search import search
+from symjax.symhks.plane_fit import search
 
 SIGMA_SPACINGS = 1.4
 """Scale σ of the residual (not printed in the paper) in spacings of the keypoints, where it is not given. The keypoint

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import ArpackError, eigsh
 from scipy.spatial import cKDTree
 
 from symjax.errors import InvalidArgumentError, SpectrumError
-from symjax.frames import local_frames, tangent_frames
+from symjax.geometry.local_frames import local_frames, tangent_frames
 
 NUM_EIGS = 20
 """Eigenfunctions k (the paper's number)."""

@@ -12,8 +12,8 @@ import jax
 import numpy as np
 
 import symjax
-from symjax.planted import planted_pairs
-from symjax.samples import KINDS, corrupt, generate, pose
+from symjax.datasets import KINDS, corrupt, generate, pose
+from symjax.datasets.planted_pairs import planted_pairs
 
 FILE = Path(__file__).with_name("golden.json")
 

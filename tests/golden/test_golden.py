@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from symjax.metrics import deviation_angle
+from symjax.geometry.distance import deviation_angle
 from tests.golden.cases import DETECTIONS, FILE, FITS, detection, fit, name_of
 
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
@@ -16,8 +16,7 @@ QUICK = {name_of(case) for case in [*DETECTIONS[0:300:13], *DETECTIONS[300:360:1
 
 def marked(cases):
     return [
-        pytest.param(case, id=name_of(case), marks=() if name_of(case) in QUICK else pytest.mark.slow)
-        for case in cases
+        pytest.param(case, id=name_of(case), marks=() if name_of(case) in QUICK else pytest.mark.slow) for case in cases
     ]
 
 

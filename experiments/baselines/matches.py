@@ -1,0 +1,42 @@
+"""The mirror pairs that rivals work on: those of our Sym-HKS (Sec. 4 of the paper), so that only estimators differ."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.baselines.ranking import Frame, framed
+from symjax.preprocess.cloud import prepare
+from symjax.symhks.correspondences import sym_hks
+
+
+class Matches(NamedTuple):
+    """Putative mirror pairs of a cloud.
+
+    Attributes:
+        frame: of the points that were looked at.
+        x: one end of every pair, in the frame.
+        y: the other end.
+    """
+
+    frame: Frame
+    x: Float[np.ndarray, "q 3"]
+    y: Float[np.ndarray, "q 3"]
+
+
+def matches(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, drop_outliers: bool = False) -> Matches:
+    """The pairs that `symjax.detect(points, "sym-hks")` fits its plane to: one set a cloud.
+
+    Args:
+        points: the cloud.
+        rng: of the frame, which keeps all points and draws nothing.
+        drop_outliers: leave out scattered outliers first, which the paper does not.
+
+    Raises:
+        SymjaxError: there is no surface to take pairs from; the subclass says why.
+    """
+    cloud = prepare(points, drop_scattered=drop_outliers)
+    used = points[cloud.rows]
+    frame = framed(used, rng, most=len(used))
+    x, y = frame.points[sym_hks(cloud.points).rows.T]
+    return Matches(frame, x, y)

@@ -1,0 +1,125 @@
+"""One method on one corrupted cloud: the task that the arena is made of."""
+
+import warnings
+from time import perf_counter
+
+import numpy as np
+
+from experiments.baselines.ranking import Ranking
+from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES, Proposal
+from experiments.comparison.objects import DENSE, Entrant, entrant
+from experiments.data import corruptions
+from experiments.framework.study import Row
+from experiments.metrics import funk
+from experiments.metrics.answered import Answered
+from experiments.metrics.deviation import deviation
+from experiments.metrics.gte import gte
+from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
+
+FUNCTION = f"{__name__}:compete"
+"""What the runner is given."""
+
+STEPS = int(funk.LARGEST_ANGLE)
+"""Steps of the sweep of Funk's thresholds: a degree each."""
+
+NO_ANSWER: Row = {
+    "planes": [],
+    "held": [],
+    "found": False,
+    "ambiguous": False,
+    "angle": 90.0,
+    "offset_error": 1.0,
+    "gte": None,
+    "gte_squared": None,
+    "sde": None,
+    "funk": [0] * (STEPS + 1),
+    "funk_paper": [0] * (STEPS + 1),
+}
+"""The row of a method that raised, or was over a limit."""
+
+WARM: set[tuple[str, str, int]] = set()
+"""Methods, conditions and sizes that this process has compiled programs for."""
+
+
+def compete(
+    method: str, benchmark: str, item: int, name: str, condition: str, seed: int, num_points: int, data: str = ""
+) -> Row:
+    """What a method makes of an object in a random pose, corrupted then.
+
+    Args:
+        method: one of `ENTRIES`.
+        benchmark: one of `entrant.NAMES`.
+        item: number of the object.
+        name: of the object.
+        condition: one of `conditions.SWEPT`.
+        seed: of the pose, the points, the corruption and the method.
+        num_points: points before the corruption.
+        data: folder of the benchmark.
+
+    Returns:
+        JSON values: the object; all ranked planes (normal, offset, score), which of them the method holds for mirror
+        planes; of the best plane angle (degrees) and offset error (diagonals) to the nearest truth, GTE and SDE; hits
+        at Funk's thresholds, of all planes that are held and in the paper's way; seconds, those of compilation left
+        out. A method that raises has given no answer.
+
+    Raises:
+        ValueError: the object of this number has another name: the benchmark is not what it was.
+    """
+    whole = entrant(benchmark, data, item, seed, num_points)
+    if whole.case.name != name:
+        raise ValueError(f"object {item} of {benchmark} is {whole.case.name!r} and not {name!r}")
+    points = next(corruptions.trials([whole.case], [condition])).points
+    key = (method, condition, num_points)
+    if method in BY_SIZE or (method in COMPILED and key not in WARM):
+        WARM.add(key)
+        _propose(method, points, [seed, item])
+    start = perf_counter()
+    said = _propose(method, points, [seed, item])
+    seconds = perf_counter() - start
+    about = _about(whole) | {"seconds": seconds}
+    if isinstance(said, Exception):
+        return about | NO_ANSWER | {"raised": repr(said)}
+    if not len(said.ranking.offsets):
+        return about | NO_ANSWER | {"raised": "no plane"}
+    return about | _judged(said, whole) | {"raised": ""}
+
+
+def _propose(method: str, points: np.ndarray, seed: list[int]) -> Proposal | Exception:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ENTRIES[method].propose(points, np.random.default_rng(seed))
+    except Exception as error:
+        return error
+
+
+def _about(whole: Entrant) -> Row:
+    case = whole.case
+    return {
+        "group": case.group,
+        "truths": [[*map(float, plane.normal), float(plane.offset)] for plane in case.planes],
+        "centre": case.points.mean(axis=0).tolist(),
+        "diagonal": float(case.diagonal),
+    }
+
+
+def _judged(said: Proposal, whole: Entrant) -> Row:
+    ranking, case = said.ranking, whole.case
+    every = Answered(ranking, case)
+    held = Answered(Ranking(*(column[said.held] for column in ranking)), case)
+    off, error, best = deviation(ranking.plane(), case), gte(every), ranking.plane()
+    seen = len(whole.dense) >= DENSE
+    sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if seen else None
+    return {
+        "planes": np.column_stack(ranking).tolist(),
+        "held": said.held.tolist(),
+        "found": said.found,
+        "ambiguous": bool(said.ambiguous),
+        "angle": float(off.angle),
+        "offset_error": float(off.offset),
+        "gte": error.plain,
+        "gte_squared": error.squared,
+        "sde": sde,
+        "funk": [tally.hits for tally in funk.curve([funk.compared(held, whole.truths)], STEPS)],
+        "funk_paper": [tally.hits for tally in funk.curve([funk.as_in_the_paper(every)], STEPS)],
+    }

@@ -1,0 +1,158 @@
+"""What is run, and what came of it: all figures and tables share one file of results, so that nothing is done twice."""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+from experiments.baselines.registry import ENTRIES, usable
+from experiments.comparison import evaluate, objects
+from experiments.data.corruptions import SWEPT, chosen
+from experiments.execution import run
+from experiments.execution.result import Result
+from experiments.framework import study
+from experiments.framework.study import PROJECT, Row
+
+RESULTS = "arena.jsonl"
+"""Name of the file of results, by default in the folder of the tables."""
+
+METHODS = ",".join(ENTRIES)
+
+OUTLIERS = "clean,out20,out40,out60,out80,out100,out120"
+MISSING = "clean,miss15,miss20,miss28,miss40"
+ALL = f"{OUTLIERS},{MISSING.removeprefix('clean,')},both,noise1,view"
+
+UNKNOWN: Row = {"group": "", "truths": [[0.0, 0.0, 1.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0}
+"""An object of which no method came to an end: it has a plane, and nobody found it."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is run.
+
+    Attributes:
+        benchmark: which benchmarks, separated by commas.
+        objects: most objects of each.
+        seeds: poses and corruptions of each object.
+        num_points: points of a cloud before it is corrupted.
+        methods: which methods, separated by commas.
+        conditions: which conditions, separated by commas.
+        data: folder of the benchmarks that are read; `real` has one of its own.
+        results: file of results (JSON Lines); what it holds is not done again.
+        jobs: tasks at a time on this machine; −1 is one a core.
+        dask: address of the scheduler of a cluster to run them on instead.
+        seconds: that a task may take.
+        megabytes: of memory (MiB) that its process may take.
+    """
+
+    benchmark: str = f"{objects.PROCEDURAL},real"
+    objects: int = 300
+    seeds: int = 1
+    num_points: int = 5000
+    methods: str = METHODS
+    conditions: str = ALL
+    data: str = ""
+    results: str = str(PROJECT / "experiments" / "out" / RESULTS)
+    jobs: int = -1
+    dask: str = ""
+    seconds: float = 600.0
+    megabytes: float = 8000.0
+
+
+SMALL = Config(benchmark=objects.PROCEDURAL, objects=40, num_points=700, conditions="clean,out100,miss28")
+
+SLOWEST = "3dsymm-26"
+"""A fifth of the time of all methods: left to the full size."""
+
+
+def sizes(conditions: str, small: str, *, methods: str = METHODS) -> dict[str, Config]:
+    """The two sizes of an experiment that runs some conditions, at the small size fewer."""
+    fewer = ",".join(name for name in methods.split(",") if name != SLOWEST)
+    return {
+        "full": Config(conditions=conditions, methods=methods),
+        "small": replace(SMALL, conditions=small, methods=fewer),
+    }
+
+
+def main(
+    file: str,
+    doc: str | None,
+    of_size: Mapping[str, Config],
+    rows: Callable[[Config], list[Row]],
+    summary: Callable[[list[Row]], list[Row]],
+    *,
+    draw: Callable[[Config, list[Row], Path], None] | None = None,
+    argv: Sequence[str] | None = None,
+) -> None:
+    """`report.main` with the file of results in the folder of the tables, whichever that is."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--out", type=Path, default=Path(Config.results).parent)
+    out = parser.parse_known_args(argv)[0].out
+    moved = {size: replace(config, results=str(out / RESULTS)) for size, config in of_size.items()}
+    study.main(file, doc, moved, rows, summary, draw=draw, argv=argv)
+
+
+def tasks(config: Config) -> list[Row]:
+    """The arguments of all calls of `compete`, an object after the other, so that it is made once a process.
+
+    Raises:
+        ValueError: a name is unknown.
+        DataAbsentError: a benchmark is not in its folder.
+    """
+    methods = usable(chosen(config.methods, ENTRIES))
+    conditions = chosen(config.conditions, SWEPT)
+    return [
+        {
+            **{"method": method, "benchmark": benchmark, "item": item, "name": name, "condition": condition},
+            **{"seed": seed, "num_points": config.num_points, "data": data},
+        }
+        for benchmark in chosen(config.benchmark, objects.NAMES)
+        for data in ["" if benchmark in (objects.PROCEDURAL, objects.REAL) else str(Path(config.data).resolve())]
+        for item, name in objects.items(benchmark, data, config.objects).items()
+        for seed in range(config.seeds)
+        for condition in conditions
+        for method in methods
+    ]
+
+
+@lru_cache(maxsize=1)
+def outcomes(config: Config) -> list[Row]:
+    """A row a task: its arguments, what `compete` returned or, where a limit ended it, that there is no answer."""
+    results = run(
+        tasks(config),
+        evaluate.FUNCTION,
+        Path(config.results),
+        jobs=config.jobs,
+        dask=config.dask,
+        seconds=config.seconds or None,
+        megabytes=config.megabytes or None,
+    )
+    ended = Counter(result.status for result in results if result.status != "ok")
+    if ended:
+        first = next(result for result in results if result.status != "ok")
+        print(f"TASKS WITHOUT A ROW: {dict(ended)}, the first {first.task}: {first.failure}", file=sys.stderr)
+    return rows_of(results)
+
+
+def rows_of(results: Sequence[Result]) -> list[Row]:
+    """The rows of results; what is said of an object that a limit left without a row is taken from another method.
+
+    What ended with an error is no fault of a method, whose own are caught, and no row: data that is not on a machine of
+    a cluster, or a bug of ours.
+    """
+    about = {_object(r): {name: r.row[name] for name in UNKNOWN} for r in results if r.status == "ok"}
+    return [_row(result, about) for result in results if result.status != "error"]
+
+
+def _row(result: Result, about: Mapping[tuple, Row]) -> Row:
+    if result.status == "ok":
+        return {**result.task, **result.row}
+    ended = {"seconds": result.seconds, "raised": f"{result.status}: {result.failure}"}
+    return {**result.task, **about.get(_object(result), UNKNOWN), **evaluate.NO_ANSWER, **ended}
+
+
+def _object(result: Result) -> tuple:
+    return tuple(result.task[name] for name in ("benchmark", "item", "name", "seed", "num_points", "data"))

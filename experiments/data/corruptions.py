@@ -1,0 +1,131 @@
+"""Clouds under the corruptions that methods are compared on, and when an answer is right.
+
+A cloud is posed first and corrupted then: a box of outliers along the object's own axes would share its symmetry.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.data.cases import Case
+from symjax import datasets
+from symjax.geometry import distance
+from symjax.geometry.plane import Plane
+
+CONDITIONS: dict[str, dict[str, Any]] = {
+    "clean": {},
+    "out20": {"outliers": 0.2},
+    "out60": {"outliers": 0.6},
+    "out100": {"outliers": 1.0},
+    "out300": {"outliers": 3.0},
+    "miss15": {"missing": 0.15},
+    "miss28": {"missing": 0.28},
+    "miss40": {"missing": 0.4},
+    "both": {"missing": 0.28, "outliers": 1.0},
+    "noise1": {"noise": 0.01},
+    "view": {"one_sided": True},
+}
+"""Arguments of `samples.corrupt` by the name of the condition."""
+
+SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
+    "out40": {"outliers": 0.4},
+    "out80": {"outliers": 0.8},
+    "out120": {"outliers": 1.2},
+    "miss20": {"missing": 0.2},
+}
+"""The same, and what the sweeps of outliers and of missing parts have besides."""
+
+ALL = ",".join(CONDITIONS)
+
+PAPER = {"clean": 0.95, "out20": 0.94, "out60": 0.91, "out100": 0.89, "miss15": 0.93, "miss28": 0.90}
+"""The paper's F-measures, on other data."""
+
+TARGETS = {
+    "clean": 0.98,
+    "out20": 0.97,
+    "out60": 0.97,
+    "out100": 0.97,
+    "out300": 0.96,
+    "miss15": 0.96,
+    "miss28": 0.96,
+    "miss40": 0.92,
+    "both": 0.95,
+    "noise1": 0.97,
+    "view": 0.68,
+}
+"""Least shares of right answers, over models with one known plane."""
+
+WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.02
+"""Largest angle (degrees) and distance (diagonals) of a right plane."""
+
+
+class Trial(NamedTuple):
+    """A case under a condition.
+
+    Attributes:
+        case: the object, whole and posed.
+        condition: the name.
+        points: the corrupted cloud.
+    """
+
+    case: Case
+    condition: str
+    points: Float[np.ndarray, "m 3"]
+
+    @property
+    def about(self) -> dict[str, str | int]:
+        """The columns that name the trial."""
+        return {
+            "condition": self.condition,
+            "model": self.case.name,
+            "group": self.case.group,
+            "seed": self.case.seed,
+            "points": len(self.points),
+        }
+
+
+class Deviation(NamedTuple):
+    """How far a plane is from the nearest right one: degrees, and diagonals at the middle of the whole object."""
+
+    angle: float
+    offset: float
+
+    @property
+    def right(self) -> bool:
+        """Whether both are within their limits."""
+        return self.angle < WITHIN_ANGLE and self.offset < WITHIN_OFFSET
+
+
+def chosen(names: str, known: Iterable[str]) -> list[str]:
+    """The names in a comma separated list.
+
+    Raises:
+        ValueError: one is not among those known.
+    """
+    known = list(known)
+    listed = [name.strip() for name in names.split(",")]
+    for name in listed:
+        if name not in known:
+            raise ValueError(f"{name!r} is unknown: choose from {', '.join(known)}")
+    return listed
+
+
+def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
+    """All cases under the first condition, then under the second, and so on; the same corruptions in every run."""
+    cases = list(cases)
+    for condition in conditions:
+        for case in cases:
+            rng = np.random.default_rng([case.seed, *condition.encode(), *case.name.encode()])
+            cloud = datasets.corrupt(case.points, rng, diagonal=case.diagonal, **SWEPT[condition])
+            yield Trial(case, condition, cloud.points)
+
+
+def deviation(plane: Plane, case: Case) -> Deviation:
+    """How far a plane is from the nearest right plane of a case; NaN where the case has none."""
+    if not case.planes:
+        return Deviation(np.nan, np.nan)
+    nearest = min(case.planes, key=lambda right: float(plane.angle(right)))
+    offset = distance.offset_error(plane, nearest, case.points.mean(axis=0), case.diagonal)
+    return Deviation(float(plane.angle(nearest)), float(offset))

@@ -1,0 +1,99 @@
+"""The 3D part of the ICCV 2017 challenge (Funk et al. 2017): 1 354 synthetic objects, and 20 real scans.
+
+Beside every model NAME.ply is a text file NAME-plane.txt: the number of planes, then for every plane three corners of
+a rectangle, a line each, and the extent of the object along the normal. The format and the names are those of the
+organisers' code (3DsymChallengeICCV17: `createscene.cpp`, `table-plane.txt`) and of a reader of the training set
+(`symcomp17_dataset.py`), by which a name that ends in a hyphen gets no second one. That the test set and the real
+scans are laid out alike is from memory.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.data.absence import DataAbsentError, required
+from experiments.data.numberfile import NumberFile
+from experiments.data.shape import Shape, read_shape, through
+from symjax.errors import FileFormatError
+from symjax.io.points import MESHES
+
+INSTRUCTIONS = """Funk et al., "2017 ICCV challenge: detecting symmetry in the wild": 3D global symmetry.
+Get it from https://sites.google.com/view/symcomp17/ or its organisers, and lay it out as
+  FOLDER/NAME.ply        one model
+  FOLDER/NAME-plane.txt  its planes: count, then three corners and one extent a plane"""
+
+ENDING = "plane.txt"
+
+SUFFIXES = (*MESHES, ".pcd", ".xyz")
+"""Of models: other text files may lie beside them."""
+
+FLAT = 1e-9
+"""Twice the area of three corners over the product of their distances, below which they are on one line."""
+
+
+class Rectangles(NamedTuple):
+    """Planes as a file has them.
+
+    Attributes:
+        corners: p_a, p_b and p_c of each; `scores.patch.from_corners` makes rectangles of them.
+        extents: of the object along the normal of each.
+    """
+
+    corners: Float[np.ndarray, "k 3 3"]
+    extents: Float[np.ndarray, "k"]
+
+
+def load(folder: Path) -> Iterator[Shape]:
+    """All models of a folder with their planes, by name.
+
+    Raises:
+        DataAbsentError: there is no such folder, or no file of planes in it.
+        FileFormatError: a model has no planes, planes have no model, or a file is malformed.
+    """
+    pairs = _pairs(required(folder, INSTRUCTIONS))
+    return (_shape(name, model, planes) for name, (model, planes) in pairs.items())
+
+
+def read_planes(path: Path) -> Rectangles:
+    """The planes of a file.
+
+    Raises:
+        FileFormatError: it is malformed; file and line are named.
+    """
+    file = NumberFile(path)
+    corners, extents = [], []
+    for _ in range(file.count("the number of planes")):
+        a, b, c = three = [file.row(3, "a corner of a plane") for _ in range(3)]
+        if np.linalg.norm(np.cross(b - a, c - a)) <= FLAT * np.linalg.norm(b - a) * np.linalg.norm(c - a):
+            raise file.fault("the three corners that end here are on one line")
+        corners.append(three)
+        extents.append(file.row(1, "the extent along the normal")[0])
+    file.finish()
+    return Rectangles(np.array(corners).reshape(-1, 3, 3), np.array(extents))
+
+
+def _pairs(folder: Path) -> dict[str, tuple[Path, Path]]:
+    """Model and planes by name."""
+    planes = {path.name.removesuffix(ENDING): path for path in folder.glob(f"*-{ENDING}")}
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    models = {path.name.removesuffix(path.suffix): path for path in files}
+    if len(models) < len(files):
+        raise FileFormatError(f"{folder}: {len(files)} model files, and only {len(models)} names: one of each expected")
+    if not planes:
+        raise DataAbsentError(f"DATA IS ABSENT: no *-{ENDING} in {folder}\n{INSTRUCTIONS}")
+    of_model = {name: name if name.endswith("-") else f"{name}-" for name in models}
+    without = sorted(name for name, stem in of_model.items() if stem not in planes)
+    unused = sorted(set(planes) - set(of_model.values()))
+    if without or unused:
+        first = f"{without[0]!r} has no planes" if without else f"{planes[unused[0]].name!r} has no model"
+        raise FileFormatError(f"{folder}: {len(without)} models without planes, {len(unused)} the reverse: {first}")
+    return {name: (models[name], planes[of_model[name]]) for name in sorted(models)}
+
+
+def _shape(name: str, model: Path, planes: Path) -> Shape:
+    corners = read_planes(planes).corners
+    shape = read_shape(model, name, "Funk 2017", (through(np.cross(b - a, c - a), a) for a, b, c in corners))
+    return shape._replace(corners=corners)

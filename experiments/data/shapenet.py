@@ -1,0 +1,111 @@
+"""The 1 000 ShapeNet models that PRS-Net (Gao et al., TVCG 2020) published planes for.
+
+`1000.txt` lists them, a model and the numbers of its planes a line ("52ffc1… 3,1"; the numbers are not used).
+`gt_planes.mat` holds a cell array `gt_planes`, a row a model in the same order, with up to three planes (a, b, c, d) of
+ax + by + cz + d = 0, in the frame of ShapeNetCore.v2. They are used as they are but for this: normalised (32 are not
+of unit length), the zero vector skipped, and of planes within 5° of each other (13 pairs) the first kept.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.io import loadmat
+
+from experiments.data.absence import DataAbsentError, required
+from experiments.data.shape import Shape, read_shape
+from symjax.errors import FileFormatError
+from symjax.geometry.plane import Plane
+from symjax.io import parsing
+
+INSTRUCTIONS = """PRS-Net's planes for 1 000 models of ShapeNetCore.v2.
+Get 1000.txt and gt_planes.mat (in evaluation.zip) from https://github.com/IGLICT/PRS-Net, the models from
+https://shapenet.org (an account is needed), and lay them out as
+  FOLDER/1000.txt
+  FOLDER/gt_planes.mat
+  FOLDER/ShapeNetCore.v2/SYNSET/MODEL/models/model_normalized.obj, or FOLDER/objs/MODEL.obj
+(The OBJ files in the repository of E3Sym are in another frame: their planes are not these.)"""
+
+LIST, PLANES = "1000.txt", "gt_planes.mat"
+
+APART = 5.0
+"""Degrees within which two planes are one."""
+
+
+def load(folder: Path, *, allow_missing: bool = False) -> Iterator[Shape]:
+    """The listed models with their planes, in the order of the list.
+
+    Args:
+        folder: laid out as `INSTRUCTIONS` say.
+        allow_missing: give those models that are there. Scores over a part of the list are no scores of the benchmark.
+
+    Raises:
+        DataAbsentError: a file, or a model, is not there.
+        FileFormatError: list and planes do not fit together, or a file is malformed.
+    """
+    names = _read_list(required(folder / LIST, INSTRUCTIONS))
+    planes = read_planes(required(folder / PLANES, INSTRUCTIONS))
+    if len(names) != len(planes):
+        raise FileFormatError(f"{folder}: {LIST} lists {len(names)} models, {PLANES} has planes for {len(planes)}")
+    models = [_model(folder, name) for name in names]
+    missing = [name for name, path in zip(names, models, strict=True) if path is None]
+    if missing and not (allow_missing and len(missing) < len(names)):
+        absent = f"{len(missing)} of {len(names)} models in {folder}, the first {missing[0]}"
+        raise DataAbsentError(f"DATA IS ABSENT: {absent}\n{INSTRUCTIONS}")
+    rows = zip(names, models, planes, strict=True)
+    return (read_shape(path, name, "ShapeNet, PRS-Net's planes", own) for name, path, own in rows if path)
+
+
+def read_planes(path: Path) -> list[tuple[Plane, ...]]:
+    """The planes of every model.
+
+    Raises:
+        FileFormatError: there is no cell array `gt_planes`, or a cell holds no plane; file and row are named.
+    """
+    try:
+        cells = loadmat(path)["gt_planes"]
+    except OSError:
+        raise
+    # what a damaged file raises is the library's own affair, and of many kinds
+    except Exception as error:
+        raise FileFormatError(f"{path}: no MAT file (before version 7.3) with a variable 'gt_planes'") from error
+    if cells.dtype != object or cells.ndim != 2:
+        raise FileFormatError(f"{path}: 'gt_planes' is no cell array with a row a model")
+    return [_planes_of(row, f"{path}, row {number} of 'gt_planes'") for number, row in enumerate(cells, start=1)]
+
+
+def _planes_of(row: np.ndarray, where: str) -> tuple[Plane, ...]:
+    kept: list[Plane] = []
+    for cell in row:
+        values = np.ravel(cell)
+        if values.size == 0:
+            continue
+        if values.size != 4 or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
+            raise FileFormatError(f"{where}: {parsing.shown(str(values))} is no plane: four finite numbers expected")
+        length = float(np.linalg.norm(values[:3]))
+        if length == 0:
+            continue
+        plane = Plane(values[:3] / length, np.asarray(-values[3] / length))
+        if all(plane.angle(other) >= APART for other in kept):
+            kept.append(plane)
+    return tuple(kept)
+
+
+def _read_list(path: Path) -> list[str]:
+    names = []
+    for number, line in enumerate(parsing.lines(path.read_bytes()), start=1):
+        cells = line.split()
+        if cells and (len(cells) > 2 or not cells[0].isalnum()):
+            raise FileFormatError(
+                f"{path}, line {number}: {parsing.shown(line)} where a model and its planes were expected"
+            )
+        names += cells[:1]
+    return names
+
+
+def _model(folder: Path, name: str) -> Path | None:
+    """The file of a model; a model that is in several categories is the same in each."""
+    flat = folder / "objs" / f"{name}.obj"
+    if flat.is_file():
+        return flat
+    return next(iter(sorted(folder.glob(f"ShapeNetCore.v2/*/{name}/models/model_normalized.obj"))), None)

@@ -1,0 +1,79 @@
+"""The workers of one process of the runner or of a cluster: as many as there are tasks at a time."""
+
+import threading
+from types import TracebackType
+from typing import Self
+
+from experiments.execution.limits import Limits
+from experiments.execution.result import Result
+from experiments.execution.task import Task
+from experiments.execution.worker import Worker
+
+
+class Crew:
+    """Workers that are started when they are needed and kept for the next task; shared between threads."""
+
+    def __init__(self) -> None:
+        """Nobody yet."""
+        self._lock = threading.Lock()
+        self._idle: list[Worker] = []
+        self._busy: set[Worker] = set()
+        self._closed = False
+
+    def attempt(self, task: Task, limits: Limits) -> Result:
+        """Does a task.
+
+        Raises:
+            RuntimeError: its function cannot be loaded, or the crew is closed.
+        """
+        worker = self._idle_worker(task.function) or Worker(task.function)
+        second = worker.used
+        result = self._attempt(worker, task, limits)
+        # what earlier tasks left in a process must not be held against this one
+        if second and result.status in ("memory", "died"):
+            result = self._attempt(Worker(task.function), task, limits)
+        return result
+
+    def _idle_worker(self, function: str) -> Worker | None:
+        with self._lock:
+            for worker in self._idle:
+                if worker.function == function:
+                    self._idle.remove(worker)
+                    return worker
+        return None
+
+    def _attempt(self, worker: Worker, task: Task, limits: Limits) -> Result:
+        with self._lock:
+            if self._closed:
+                worker.end()
+                raise RuntimeError("the runner has stopped")
+            self._busy.add(worker)
+        try:
+            return worker.attempt(task, limits)
+        finally:
+            with self._lock:
+                self._busy.remove(worker)
+                if worker.alive:
+                    self._idle.append(worker)
+
+    def dismiss(self) -> None:
+        """Ends the workers that have no task."""
+        with self._lock:
+            while self._idle:
+                self._idle.pop().end()
+
+    def close(self) -> None:
+        """Ends all workers, for good."""
+        with self._lock:
+            self._closed = True
+            for worker in self._busy:
+                worker.kill()
+        self.dismiss()
+
+    def __enter__(self) -> Self:
+        """Itself."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, at: TracebackType | None) -> None:
+        """Ends all workers."""
+        self.close()

@@ -1,0 +1,68 @@
+"""Peak memory of a fresh process that detects: `python -m experiments.framework.memory CLOUD.npy METHOD` prints two numbers.
+
+Both in MiB: after a first detection of few points, and after that of the cloud.
+"""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+import symjax
+from experiments.framework.study import PROJECT
+from symjax import datasets
+
+FEW = 5000
+"""Points of the first detection: what it takes is the program, not the cloud."""
+
+LAUNCH = "import subprocess, sys; subprocess.run(sys.argv[1:], check=True)"
+"""Linux counts the memory of the process that started one into its peak: a small one has to do it."""
+
+UNIT = 2**20 if sys.platform == "darwin" else 2**10
+"""Of `ru_maxrss`, to MiB."""
+
+
+class Peak(NamedTuple):
+    """Peak resident memory in MiB: after the first detection of few points, and after that of the cloud."""
+
+    first: float
+    cloud: float
+
+
+def peak_memory(points: Float[np.ndarray, "n 3"], method: str) -> Peak:
+    """What detecting a cloud takes in a process of its own.
+
+    Raises:
+        RuntimeError: the process failed; the message is what it said.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "cloud.npy"
+        np.save(path, points)
+        command = [sys.executable, "-m", "experiments.framework.memory", str(path), method]
+        launch = [sys.executable, "-c", LAUNCH, *command]
+        done = subprocess.run(launch, cwd=PROJECT, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"the process that measures memory failed:\n{done.stderr}")
+    return Peak(*json.loads(done.stdout))
+
+
+def _peak() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / UNIT
+
+
+def main(path: str, method: str) -> None:
+    """The process."""
+    symjax.detect(datasets.generate("quadruped", num_points=FEW, rng=0).points, method, rng=0)
+    first = _peak()
+    symjax.detect(np.load(path), method, rng=0)
+    print(json.dumps([first, _peak()]))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

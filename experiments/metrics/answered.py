@@ -1,0 +1,35 @@
+"""What every score judges: the planes that a method proposes, beside the case that they were proposed for."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.baselines.ranking import Ranking
+from experiments.data.cases import Case
+
+Vectors = tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"]]
+"""Unit normals and offsets."""
+
+
+class Answered(NamedTuple):
+    """A case and the answer to it.
+
+    Attributes:
+        ranking: the proposed planes, best first; none where the method gave up.
+        case: the object, whole: its points and right planes in one frame.
+    """
+
+    ranking: Ranking
+    case: Case
+
+    @property
+    def answers(self) -> Vectors:
+        """The proposed planes, best first."""
+        return self.ranking.normals, self.ranking.offsets
+
+    @property
+    def truths(self) -> Vectors:
+        """The right planes that are listed; the planes through an axis are not."""
+        planes = self.case.planes
+        return np.array([p.normal for p in planes]).reshape(-1, 3), np.array([float(p.offset) for p in planes])

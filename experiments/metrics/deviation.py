@@ -1,0 +1,38 @@
+"""Deviation angle and true offset error of an answer, also where the right planes are all those through an axis."""
+
+import numpy as np
+
+from experiments.data import corruptions
+from experiments.data.cases import Case
+from experiments.data.corruptions import Deviation
+from symjax.geometry.plane import Plane
+
+
+def deviation(plane: Plane, case: Case) -> Deviation:
+    """How far a plane is from the nearest right one, in degrees and diagonals.
+
+    The offset error is |n · c − ω| / diagonal with c the foot of the cloud's mean on the right plane
+    (`symjax.geometry.distance.offset_error`): unlike |ω − ω′| it does not depend on where the origin is.
+
+    Args:
+        plane: the answer.
+        case: the whole object; with an axis, every plane through the axis is right as well.
+
+    Returns:
+        Degrees and diagonals; NaN where nothing is right.
+    """
+    if case.axis is None:
+        return corruptions.deviation(plane, case)
+    return corruptions.deviation(plane, case._replace(planes=(*case.planes, _through_axis(plane, case.axis))))
+
+
+def _through_axis(plane: Plane, axis: tuple[np.ndarray, np.ndarray]) -> Plane:
+    """The plane through an axis whose normal is nearest to that of a plane."""
+    point, direction = axis
+    direction = direction / np.linalg.norm(direction)
+    across = plane.normal - (plane.normal @ direction) * direction
+    if np.linalg.norm(across) < 1e-9:
+        # all planes through the axis are at 90 degrees: any will do
+        across = np.cross(direction, np.eye(3)[np.abs(direction).argmin()])
+    normal = across / np.linalg.norm(across)
+    return Plane(normal, np.asarray(normal @ point))

@@ -1,0 +1,52 @@
+"""The F-score of E3Sym (Li et al., ICCV 2023), averaged over thresholds on the distance of planes as 4-vectors.
+
+Answers and truths are matched one to one, nearest pairs first, and counts are pooled over the data set: so does the
+public script `evaluate_official_benchmark.m` of prsnet-repro. Another public script (`metric_F1.py` of
+EnhancedBackProjection) uses the four thresholds `COARSE`, counts every pair that does not match as a false answer and
+lets one answer match several truths: its counts are not reproduced here, only its thresholds.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from experiments.baselines.ranking import plane_distance
+from experiments.metrics import matching
+from experiments.metrics.answered import Answered
+from experiments.metrics.frame import Frame, frame_of
+from experiments.metrics.tally import Tally
+
+FINE = np.linspace(0.0, 0.2, 201)
+"""Thresholds of prsnet-repro."""
+
+COARSE = np.array([0.05, 0.1, 0.15, 0.2])
+"""Thresholds of Aguirre and Sipiran (WACV 2026)."""
+
+
+def tallies(answered: Sequence[Answered], thresholds: np.ndarray = FINE, frame: Frame | None = None) -> list[Tally]:
+    """Pooled counts at every threshold; a match is nearer than the threshold.
+
+    Args:
+        answered: all shapes, also those without an answer or without a truth.
+        thresholds: largest distances of a match.
+        frame: where offsets are compared; by default `frame_of` each case.
+    """
+    found = [matching.by_cost(_distances(one, frame or frame_of(one.case))) for one in answered]
+    distances = np.sort(np.concatenate(found)) if found else np.empty(0)
+    num_answers = sum(len(one.ranking.offsets) for one in answered)
+    num_truths = sum(len(one.case.planes) for one in answered)
+    hits = np.searchsorted(distances, thresholds, side="left")
+    return [Tally(int(count), num_answers, num_truths) for count in hits]
+
+
+def f_score(answered: Sequence[Answered], thresholds: np.ndarray = FINE, frame: Frame | None = None) -> float:
+    """Mean of the pooled F over the thresholds."""
+    return float(np.mean([tally.f for tally in tallies(answered, thresholds, frame)]))
+
+
+def _distances(answered: Answered, frame: Frame) -> Float[np.ndarray, "k t"]:
+    """D of every answer and truth."""
+    truths = frame.of(answered.truths)
+    rows = [plane_distance(*truths, *answer) for answer in zip(*frame.of(answered.answers), strict=True)]
+    return np.array(rows).reshape(len(rows), len(answered.case.planes))

@@ -1,0 +1,192 @@
+"""Cost landscapes on the sphere of normals as outlier pairs grow: the paper's second figure (fig:rh).
+
+Upper row: the pairs. Middle row: the least-squares (maximum-likelihood) cost. Lower row: the L2E cost −f. Each cost is
+the least over the offset, on the half sphere of normals in an azimuthal equal-area projection.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from experiments.framework import study
+from experiments.framework.figures import save
+from experiments.framework.study import Row
+from experiments.studies.estimator.planted_planes import METHODS, PLACES, angle, pairs, planes
+from symjax.datasets.planted_pairs import PlantedPairs
+from symjax.l2e.manifolds import tangent_basis
+from symjax.l2e.objective import l2e_objective, squared_residuals
+
+TILT = 0.7
+"""Radians from the planted normal to the middle of the maps, so that its mark stands clear of the middle."""
+
+NUM_OFFSETS = 61
+"""Offsets among which the L2E cost of a normal is the least."""
+
+MAX_DRAWN = 60
+"""Pairs drawn of a cloud."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is run.
+
+    Attributes:
+        shares: shares of outlier pairs.
+        blob: kind of blob.
+        place: where the outliers lie: "within" the blob, or "beside" it.
+        num_pairs: pairs of a cloud.
+        sigma: scale σ of the residual; larger than in the other experiments, or the well of L2E would be a dot.
+        pixels: width of a map.
+        seed: seed of the clouds.
+    """
+
+    shares: tuple[float, ...] = (0.0, 0.25, 0.5, 0.65, 0.8)
+    blob: str = "isotropic"
+    place: str = "beside"
+    num_pairs: int = 200
+    sigma: float = 0.2
+    pixels: int = 161
+    seed: int = 0
+
+
+SIZES = {"full": Config(), "small": Config(shares=(0.0, 0.65), pixels=41)}
+
+
+def _clouds(config: Config) -> list[PlantedPairs]:
+    return [pairs([config.seed], config.num_pairs, share, config.blob, config.place) for share in config.shares]
+
+
+def run(config: Config) -> list[Row]:
+    """One row a share, place of the outliers and method."""
+    rows = []
+    with jax.enable_x64(True):
+        for place in PLACES:
+            for share in config.shares:
+                cloud = pairs([config.seed], config.num_pairs, share, config.blob, place)
+                for method, plane in planes(cloud.x, cloud.y, config.sigma).items():
+                    row = {"outliers": place, "share": share, "method": method}
+                    row |= {f"normal_{axis}": float(plane.normal[i]) for i, axis in enumerate("xyz")}
+                    rows.append(row | {"offset": float(plane.offset), "angle": angle(plane, cloud)})
+    return rows
+
+
+def summary(rows: list[Row]) -> list[Row]:
+    """The deviation angle in degrees of every method, a line for each share of outliers."""
+    lines: dict[tuple[str, float], Row] = {}
+    for row in rows:
+        line = lines.setdefault((row["outliers"], row["share"]), {"outliers": row["outliers"], "share": row["share"]})
+        line[f"{row['method']}, deg"] = row["angle"]
+    return [{**line, "paper": "L2 moves away, L2E stays"} for line in lines.values()]
+
+
+@jax.jit
+def _costs(
+    normals: Float[Array, "p 3"], sigma: float, x: Float[Array, "n 3"], y: Float[Array, "n 3"]
+) -> tuple[Float[Array, "p"], Float[Array, "p"]]:
+    """Mean squared residual, and −f of Eq. 5, at every normal and its best offset."""
+
+    def cost(v: Float[Array, "3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        mean = jnp.mean(0.5 * (x + y), axis=0)
+        squares = jnp.mean(squared_residuals(v, jnp.sum(v * mean), x, y))
+        offsets = jnp.quantile(
+            jnp.sum(0.5 * (x + y) * v[None, :], axis=1), (jnp.arange(NUM_OFFSETS) + 0.5) / NUM_OFFSETS
+        )
+        return squares, -jnp.max(jax.vmap(lambda omega: l2e_objective(v, omega, jnp.asarray(sigma), x, y))(offsets))
+
+    return jax.lax.map(cost, normals, batch_size=64)
+
+
+def _from_disc(disc: Float[np.ndarray, "p 2"], frame: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "p 3"]:
+    """Normals at points of the unit disc: the inverse of Lambert's equal-area projection of a half sphere."""
+    square = np.minimum((disc**2).sum(axis=1, keepdims=True), 1.0)
+    return np.concatenate([disc * np.sqrt(2 - square), 1 - square], axis=1) @ frame.T
+
+
+def _onto_disc(normal: Float[np.ndarray, "3"], frame: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "2"]:
+    own = normal @ frame
+    own = own if own[2] >= 0 else -own
+    return own[:2] / np.sqrt(1 + own[2])
+
+
+def _frame(cloud: PlantedPairs) -> Float[np.ndarray, "3 3"]:
+    """Axes of the maps in columns, the middle of the map last."""
+    basis = np.asarray(tangent_basis(jnp.asarray(cloud.normal)))
+    middle = np.cos(TILT) * cloud.normal + np.sin(TILT) * (basis[:, 0] + basis[:, 1]) / np.sqrt(2)
+    return np.column_stack([np.asarray(tangent_basis(jnp.asarray(middle))), middle])
+
+
+def draw(config: Config, rows: list[Row], path: Path) -> None:
+    """Three rows of panels, a column for each share of outliers."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    columns = len(config.shares)
+    figure = plt.figure(figsize=(2.9 * columns, 9.2))
+    ticks = np.linspace(-1, 1, config.pixels)
+    disc = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    inside = (disc**2).sum(axis=1) <= 1
+    for column, (share, cloud) in enumerate(zip(config.shares, _clouds(config), strict=True)):
+        found = {
+            row["method"]: np.array([row[f"normal_{axis}"] for axis in "xyz"])
+            for row in rows
+            if row["share"] == share and row["outliers"] == config.place
+        }
+        ax: Any = figure.add_subplot(3, columns, 1 + column, projection="3d")
+        _draw_pairs(ax, cloud)
+        ax.set_title(f"{share:.0%} outlier pairs", fontsize=11)
+        with jax.enable_x64(True):
+            frame = _frame(cloud)
+            costs = _costs(_from_disc(disc[inside], frame), config.sigma, cloud.x, cloud.y)
+        marks = (
+            ("L2 cost", METHODS[2], "red", np.asarray(costs[0])),
+            ("L2E cost −f", METHODS[1], "blue", np.asarray(costs[1])),
+        )
+        for line, (title, method, colour, cost) in enumerate(marks):
+            ax = figure.add_subplot(3, columns, 1 + (line + 1) * columns + column)
+            image = np.full(len(disc), np.nan)
+            image[inside] = cost
+            ax.pcolormesh(
+                ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterized=True
+            )
+            ax.add_patch(plt.Circle((0, 0), 1, fill=False, color="black", linewidth=0.8))
+            for label, normal, face, size in (("true", cloud.normal, "lime", 90), (method, found[method], colour, 45)):
+                ax.scatter(*_onto_disc(normal, frame), s=size, color=face, edgecolor="white", label=label, zorder=3)
+            degrees = next(
+                r["angle"] for r in rows if (r["share"], r["outliers"], r["method"]) == (share, config.place, method)
+            )
+            ax.set_title(f"{title}: {degrees:.2g}° off", fontsize=9)
+            ax.set_aspect("equal")
+            ax.axis("off")
+            if column == 0:
+                ax.legend(fontsize=7, loc="lower left")
+    figure.tight_layout()
+    save(figure, path)
+    plt.close(figure)
+
+
+def _draw_pairs(ax: Any, cloud: PlantedPairs) -> None:
+    """Pairs as lines: inliers orange, outliers blue, as in the paper."""
+    chosen = np.linspace(0, len(cloud.x) - 1, MAX_DRAWN).astype(int)
+    for i in chosen:
+        ends = np.stack([cloud.x[i], cloud.y[i]])
+        inlier = cloud.inlier[i]
+        ax.plot(*ends.T, color="tab:orange" if inlier else "tab:blue", linewidth=0.8, alpha=0.9 if inlier else 0.5)
+    ax.set_box_aspect(np.maximum(np.ptp(np.concatenate([cloud.x, cloud.y]), axis=0), 1e-9))
+    ax.axis("off")
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command."""
+    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,189 @@
+"""How often the robust method sees a symmetry where there is one, and none where there is none, by condition.
+
+And of what kind: one plane, several, all planes through an axis. Below the rates stands what other constants of
+`symjax.robust.classification` would have made of the same clouds, from the scores in the rows.
+"""
+
+import inspect
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, islice, product
+from pathlib import Path
+from typing import get_args
+from unittest import mock
+
+import numpy as np
+from tqdm import tqdm
+
+import symjax
+from experiments.data import corruptions
+from experiments.data.cases import MODELS, Case, generated, kinds_of, real
+from experiments.data.corruptions import Trial, chosen
+from experiments.framework import study
+from experiments.framework.study import Row
+from symjax.datasets.sample import Symmetry
+from symjax.detection.result import Detection
+from symjax.errors import SymjaxWarning
+from symjax.geometry import distance
+from symjax.robust import classification, method
+
+TRUTHS = {
+    "generated": "one plane",
+    "generated, multiple": "several planes",
+    "generated, continuous": "axis",
+    "generated, none": "none",
+    "exact": "one plane",
+    "near-exact": "one plane",
+    "approximate": "one plane",
+    "two planes": "several planes",
+    "continuous symmetry about y, and y = 0": "axis",
+    "no symmetry": "none",
+    "a left boot": "none",
+}
+"""What the cases of a group have, but for the ball."""
+
+BALL = "ball"
+"""The kind that is a sphere: every line through its middle is an axis."""
+
+SEVERAL = ("several planes", "axis", "sphere")
+
+GRIDS: tuple[dict[str, tuple[float, ...]], ...] = (
+    {"LEAST": (-0.1, -0.05, 0.0, 0.05, 0.1), "PER_BACKGROUND": (-0.2, -0.1, 0.0, 0.1, 0.2)},
+    {"MOST": (-0.1, -0.05, 0.0, 0.05, 0.1)},
+    {"EXACT": (-0.1, -0.05, 0.0, 0.05, 0.1), "EXACT_LEAST": (-0.1, 0.0, 0.1)},
+    {"EXACT_PER_NOISE": (-0.2, -0.1, 0.0, 0.1, 0.2)},
+)
+"""Steps from the package's constants, varied together."""
+
+RATES: tuple[tuple[str, tuple[str, ...], str], ...] = (
+    ("not found: none", ("none",), "not found"),
+    ("found: symmetric", ("one plane", "several planes", "axis"), "found"),
+    ("ambiguous: one", ("one plane",), "ambiguous"),
+    ("told: several", ("several planes",), "told"),
+    ("told: axis", ("axis",), "told"),
+    ("named: one", ("one plane",), "named"),
+    ("named: several", ("several planes",), "named"),
+    ("named: axis", ("axis",), "named"),
+)
+"""Columns of the table: of the clouds that have this, the share of whose answers this is true. Told: the answer is
+ambiguous or has several planes; named: its `symmetry` is the right word."""
+
+TARGETS = (">= 0.9", ">= 0.98", "<= 0.05", ">= 0.95", ">= 0.95", "reported", "reported", "reported", "reported")
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is run.
+
+    Attributes:
+        num_points: points of a cloud before it is corrupted.
+        seeds: clouds of every model and kind.
+        kinds: most generated kinds of every symmetry, and real models, that are run, counted from the first.
+        data: folder of the real models.
+        conditions: which conditions, separated by commas.
+    """
+
+    num_points: int = 5000
+    seeds: int = 3
+    kinds: int = 1000
+    data: str = str(MODELS)
+    conditions: str = ",".join(name for name in corruptions.CONDITIONS if name not in ("view", "miss40"))
+
+
+SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=1, conditions="clean,both")}
+
+
+def run(config: Config) -> list[Row]:
+    """One row a cloud."""
+    cases = list(_cases(config))
+    names = chosen(config.conditions, corruptions.CONDITIONS)
+    trials = corruptions.trials(cases, names)
+    return [_row(trial) for trial in tqdm(trials, total=len(cases) * len(names), disable=None)]
+
+
+def _cases(config: Config) -> Iterator[Case]:
+    kinds = chain.from_iterable(kinds_of(symmetry, config.kinds) for symmetry in get_args(Symmetry))
+    modelled = islice(real(Path(config.data), config.num_points, config.seeds), config.kinds * config.seeds)
+    return chain(generated(config.num_points, config.seeds, kinds), modelled)
+
+
+def _row(trial: Trial) -> Row:
+    with warnings.catch_warnings(), mock.patch.object(method, "judge", wraps=classification.judge) as judge:
+        warnings.simplefilter("ignore", SymjaxWarning)
+        found = symjax.detect(trial.points, rng=0)
+    seen = inspect.signature(classification.judge).bind(*judge.call_args.args, **judge.call_args.kwargs).arguments
+    beside = seen["ranked"][classification.BACKGROUND]
+    truth = TRUTHS[trial.case.group]
+    word = "sphere" if trial.case.name == BALL else truth
+    return trial.about | {
+        "truth": truth,
+        "found": found.found,
+        "not found": not found.found,
+        "ambiguous": found.ambiguous,
+        "symmetry": found.symmetry,
+        "told": found.ambiguous or found.symmetry in SEVERAL,
+        "named": found.symmetry == word,
+        "angle": corruptions.deviation(found.plane, trial.case).angle,
+        "axis angle": _axis_angle(found, trial.case),
+        "score": found.score,
+        "threshold": found.threshold,
+        "exactness": found.exactness,
+        "background": float(np.median([candidate.score for candidate in beside])) if beside else 0.0,
+        "noise": seen["around"].scatter / seen["surface"].tolerance,
+    }
+
+
+def _axis_angle(found: Detection, case: Case) -> float:
+    """Degrees between the axis found and the true one; NaN where there are not both, or many."""
+    if found.symmetry != "axis" or found.axis is None or case.axis is None or case.name == BALL:
+        return float("nan")
+    return float(distance.deviation_angle(found.axis[1], case.axis[1]))
+
+
+def summary(rows: list[Row]) -> list[Row]:
+    """Rates by condition, the targets, and the trade-off that other constants would be."""
+    lines = [_line(c, [row for row in rows if row["condition"] == c]) for c in corruptions.CONDITIONS]
+    lines.append(_line("all, generated", [row for row in rows if row["group"].startswith("generated")]))
+    lines.append(_line("all, real", [row for row in rows if not row["group"].startswith("generated")]))
+    lines = [line for line in lines if line["clouds"]]
+    lines.append(dict(zip(lines[0], ("TARGET", "", *TARGETS), strict=True)))
+    for grid in GRIDS:
+        for steps in product(*grid.values()):
+            values = {name: getattr(classification, name) + step for name, step in zip(grid, steps, strict=True)}
+            found = would_be_found(rows, **values)
+            judged = [row | {"found": at, "not found": not at} for row, at in zip(rows, found, strict=True)]
+            what = ", ".join(f"{name} {value:.2f}" for name, value in values.items())
+            line = _line(what, judged)
+            lines.append(line | dict.fromkeys(list(line)[4:], ""))
+    differ = int(np.count_nonzero(would_be_found(rows) != [row["found"] for row in rows]))
+    lines.append(dict.fromkeys(lines[0], "") | {"what": "clouds judged otherwise by the rule here", "clouds": differ})
+    return lines
+
+
+def _line(what: str, rows: list[Row]) -> Row:
+    line: Row = {"what": what, "clouds": len(rows)}
+    for name, truths, of in RATES:
+        values = [row[of] for row in rows if row["truth"] in truths]
+        line[name] = float(np.mean(values)) if values else "-"
+    angles = [row["axis angle"] for row in rows if np.isfinite(row["axis angle"])]
+    return line | {"axis, median deg": float(np.median(angles)) if angles else "-"}
+
+
+def would_be_found(rows: list[Row], **constants: float) -> np.ndarray:
+    """In which clouds other constants would find a plane: the rule of `symmetry.judge`, on the numbers in the rows."""
+    value = {name: constants.get(name, getattr(classification, name)) for grid in GRIDS for name in grid}
+    names = ("score", "exactness", "background", "noise")
+    score, exactness, background, noise = (np.array([row[name] for row in rows]) for name in names)
+    usual = np.minimum(value["LEAST"] + value["PER_BACKGROUND"] * background, value["MOST"])
+    exact = exactness > value["EXACT"] + value["EXACT_PER_NOISE"] * noise
+    return score > np.where(exact, value["EXACT_LEAST"], usual)
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command."""
+    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+"""What a person reads about a detection on a terminal."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from symjax.detection.result import Detection
+    from symjax.geometry.distance import AnyArray
+
+
+def lines(detection: "Detection") -> Iterator[str]:
+    """The plane, how far to trust it, and what it cost, one label and value a line."""
+    yield _line("normal", _components(detection.plane.normal))
+    yield _line("offset", f"{float(detection.plane.offset):+.6g}   (normal · x = offset, in the units of the points)")
+    uncertainty = detection.uncertainty
+    if uncertainty is not None:
+        precision = f"{uncertainty.normal_degrees:.2g} degrees, {uncertainty.offset:.2g} units"
+        yield _line("precision", f"{precision}   (standard errors)")
+    verdict, relation = ("yes", "above") if detection.found else ("no", "not above")
+    if not detection.found and detection.score > detection.threshold:
+        relation = "above"
+    yield _line(
+        "found", f"{verdict}   (score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f})"
+    )
+    if detection.found:
+        yield _line("symmetry", _kind(detection))
+    for rank, plane in enumerate(detection.planes[1:], 2):
+        yield _line(f"plane {rank}", f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}")
+    if detection.exactness is not None:
+        yield _line("exactness", f"{detection.exactness:.3f}   (0.5 to 1: exact, near 0: rough)")
+    yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")
+    yield _line("converged", f"{'yes' if detection.converged else 'no'}   ({detection.message})")
+    yield _line("sigma", f"{detection.sigma:g} of the diagonal, {detection.sigma * detection.diagonal:.4g} in units")
+    yield _line("points", f"{detection.num_points} given, {detection.num_used} used")
+    for note in detection.notes:
+        yield _line("note", note)
+    stages = "   ".join(f"{stage} {seconds:.2f}" for stage, seconds in detection.timings.items())
+    yield _line("seconds", f"{sum(detection.timings.values()):.2f}   ({stages})")
+
+
+def _kind(detection: "Detection") -> str:
+    if detection.axis is not None:
+        point, direction = detection.axis
+        place = f"through {_components(point)}"
+        if detection.symmetry == "sphere":
+            return f"ambiguous: all planes {place}"
+        return f"ambiguous: all planes through the axis {place} along {_components(direction)}"
+    return f"ambiguous: {detection.symmetry}" if detection.ambiguous else detection.symmetry
+
+
+def _components(vector: "Float[AnyArray, '3']") -> str:
+    return "  ".join(f"{component:+.6f}" for component in vector)
+
+
+def _line(label: str, value: str) -> str:
+    return f"{label:<10}{value}"

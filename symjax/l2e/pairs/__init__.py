@@ -1,0 +1,1 @@
+"""symjax/l2e/pairs."""

@@ -1,0 +1,98 @@
+"""Algorithm 1 of the paper: ω and v in turn."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, cast
+
+import jax
+import jax.numpy as jnp
+import optimistix as optx
+from jaxtyping import Array, Bool, Float, Int
+
+from symjax.l2e.manifolds import SPHERE, SPHERE_LINE
+from symjax.l2e.solvers.base import Minimum, Solver, ending, norm, solve
+from symjax.l2e.solvers.rbfgs import minimize
+
+INNER_STEPS = 64  # limit on the steps of one inner solve
+
+
+class State(NamedTuple):
+    """State of the alternation: the point, its value and joint gradient norm, the rounds, whether nothing moved."""
+
+    z: Float[Array, "4"]
+    value: Float[Array, ""]
+    grad_norm: Float[Array, ""]
+    k: Int[Array, ""]
+    stalled: Bool[Array, ""]
+
+
+def alternation(
+    fun: Callable[[Float[Array, "4"]], Float[Array, ""]],
+    *,
+    line_search: str = "armijo",
+    max_steps: int | Int[Array, ""] = 200,
+    tol: float | Float[Array, ""] = 1e-10,
+) -> Solver:
+    """Minimises over ω by BFGS given v, then over v by Riemannian BFGS given ω, until both gradients vanish.
+
+    Algorithm 1 of the paper. It converges linearly, and many times more slowly than Riemannian BFGS of both at once.
+
+    Args:
+        fun: function of z = (v, ω) on S² × R.
+        line_search: of the Riemannian solve: "armijo" or "wolfe".
+        max_steps: limit on the rounds.
+        tol: bound on the norm of the joint Riemannian gradient.
+
+    Returns:
+        The solver; its steps are rounds.
+    """
+    value_and_grad = jax.value_and_grad(fun)
+    # annotated loosely: optimistix types atol as a float, and takes a traced one
+    omega_solver: Any = optx.BFGS(rtol=0.0, atol=cast(float, 0.5 * tol))
+
+    def joint(z: Float[Array, "4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        value, grad = value_and_grad(z)
+        return value, norm(SPHERE_LINE.project(z, grad))
+
+    def going(state: State) -> Bool[Array, ""]:
+        _, value, grad_norm, k, stalled = state
+        return jnp.isfinite(value) & (grad_norm > tol) & (k < max_steps) & ~stalled
+
+    @jax.default_matmul_precision("highest")
+    def round_(state: State) -> State:
+        z, _, _, k, _ = state
+        v = z[:3]
+        # throw=False: under vmap one lane that runs out of steps must not fail the others
+        along_the_normal: Any = optx.minimise(
+            lambda omega, _: fun(jnp.append(v, omega)),
+            omega_solver,
+            z[3],
+            max_steps=INNER_STEPS,
+            throw=False,
+        )
+        omega = along_the_normal.value
+        inner = minimize(
+            lambda v: fun(jnp.append(v, omega)),
+            v,
+            manifold=SPHERE,
+            line_search=line_search,
+            max_steps=INNER_STEPS,
+            tol=0.5 * tol,
+        )
+        new = jnp.append(inner.point, omega)
+        new_value, grad_norm = joint(new)
+        return State(new, new_value, grad_norm, k + 1, jnp.all(new == z))
+
+    def init(z0: Float[Array, "4"]) -> State:
+        return State(z0, *joint(z0), jnp.asarray(0), jnp.asarray(False))
+
+    def finish(state: State) -> Minimum:
+        z, value, grad_norm, k, stalled = state
+        return Minimum(z, value, grad_norm, k, ending(grad_norm, tol, value, stalled))
+
+    return Solver(init, going, round_, finish)
+
+
+@jax.default_matmul_precision("highest")
+def alternate(fun: Callable[[Float[Array, "4"]], Float[Array, ""]], z0: Float[Array, "4"], **options: Any) -> Minimum:
+    """Minimises from one start by the `alternation`, which documents the options; `num_steps` counts rounds."""
+    return solve(alternation(fun, **options), z0)

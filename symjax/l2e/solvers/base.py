@@ -1,0 +1,77 @@
+"""What a solver is: how it starts, whether it goes on, one step, and what it has found."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from symjax.l2e.status import RESULTS
+
+State = Any
+
+
+class Minimum(NamedTuple):
+    """What a solver has found.
+
+    Attributes:
+        point: the point found.
+        value: the function there.
+        grad_norm: norm of the Riemannian gradient there.
+        num_steps: steps taken.
+        result: how the solve ended.
+    """
+
+    point: Float[Array, "d"]
+    value: Float[Array, ""]
+    grad_norm: Float[Array, ""]
+    num_steps: Int[Array, ""]
+    result: RESULTS
+
+
+class Limits(NamedTuple):
+    """When a solver stops.
+
+    Attributes:
+        max_steps: limit on the steps.
+        tol: bound on the norm of the Riemannian gradient.
+    """
+
+    max_steps: Int[Array, ""] | int
+    tol: Float[Array, ""]
+
+
+class Solver(NamedTuple):
+    """A solver as its parts, so that one loop runs any of them, for one start or for many.
+
+    Attributes:
+        init: start -> state.
+        going: state -> whether another step is to be taken.
+        step: state -> the next state.
+        finish: state -> the minimum.
+    """
+
+    init: Callable[[Float[Array, "d"]], State]
+    going: Callable[[State], Bool[Array, ""]]
+    step: Callable[[State], State]
+    finish: Callable[[State], Minimum]
+
+
+def solve(solver: Solver, start: Float[Array, "d"]) -> Minimum:
+    """Runs a solver from one start."""
+    return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
+
+
+def norm(u: Float[Array, "d"]) -> Float[Array, ""]:
+    """Euclidean length, summed elementwise: `jnp.linalg.norm` of float32 runs in TF32 on some devices."""
+    return jnp.sqrt(jnp.sum(u * u))
+
+
+def ending(
+    grad_norm: Float[Array, ""], tol: float | Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
+) -> RESULTS:
+    """The status of a solve from its last gradient norm, value, and whether its last step found nothing lower."""
+    result = RESULTS.where(stalled, RESULTS.stalled, RESULTS.max_steps_reached)
+    result = RESULTS.where(grad_norm <= tol, RESULTS.successful, result)
+    return RESULTS.where(jnp.isfinite(value) & jnp.isfinite(grad_norm), result, RESULTS.nonfinite)

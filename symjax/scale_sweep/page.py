@@ -1,0 +1,178 @@
+"""An interactive page of a survey: the optima against σ, and the basin map."""
+
+import os
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symjax.io.atomic import replacing
+from symjax.scale_sweep import optima_panels
+from symjax.scale_sweep.optima import Optimum, optima
+from symjax.scale_sweep.sphere_map import Globe, view
+from symjax.viz import scene as scenes
+from symjax.viz.html import DIV_ID, FONT, PAGE, POLICY
+from symjax.viz.plotly_traces import css
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+    from symjax.scale_sweep.run import Survey
+
+GLOBE, GLOBE_END = 0.49, 0.9
+"""Where the globe begins and ends, in widths of the page; the legend is beside it."""
+
+BASINS = (
+    "Every mirror plane is two opposite points of the sphere, so that half of it, seen from any side, shows them all. "
+    "Each part has the colour of its nearest start (dot): that of the optimum (diamond) which the start reaches"
+)
+NO_BASINS = "A continuation follows planes from one σ to the next: the sphere shows optima (diamonds), and no basins"
+
+
+def write_html(survey: "Survey", path: str | os.PathLike[str], *, title: str = "symjax sweep") -> None:
+    """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
+
+    Args:
+        survey: what `symjax.scale_sweep.run.survey` gave.
+        path: file to write; it is replaced if it exists.
+        title: the page's title, as plain text.
+
+    Raises:
+        InvalidArgumentError: the file cannot be written.
+    """
+    body = figure(survey).to_html(
+        full_html=False,
+        include_plotlyjs=True,
+        include_mathjax=False,
+        div_id=DIV_ID,
+        default_height="100%",
+        auto_play=False,
+        config={"displaylogo": False, "responsive": True, "plotlyServerURL": "", "displayModeBar": False},
+    )
+    notes = (*survey.pairs.notes, NO_BASINS if survey.starts is None else BASINS)
+    page = PAGE.format(
+        title=escape(title),
+        policy=POLICY,
+        font=FONT,
+        faint=css(scenes.FAINT_INK),
+        figure=body,
+        notes=" · ".join(escape(note) for note in notes),
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+
+
+def figure(survey: "Survey") -> "Figure":
+    """A plotly figure: three panels against σ on the left, the basin map with a slider for σ on the right.
+
+    The slider begins at the σ nearest to the estimated one; it also moves a band through the panels.
+    """
+    from plotly.graph_objects import Figure  # a good part of a second, for those who draw
+
+    found = [
+        optima(survey.fits.plane._replace(normal=normal, offset=offset), loss, rank)
+        for normal, offset, loss, rank in zip(*survey.fits.plane, survey.fits.loss, survey.rank, strict=True)
+    ]
+    globe = Globe(survey, found)
+    first = int(np.argmin(np.abs(np.log(survey.fractions / _estimated(survey)))))
+    still = [*optima_panels.traces(survey, found), *globe.fixed()]
+    frames = [
+        {
+            "name": str(index),
+            "data": globe.changes(index),
+            "traces": list(range(len(still), len(still) + 3)),
+            "layout": {"shapes": _lines(survey, fraction)},
+        }
+        for index, fraction in enumerate(survey.fractions)
+    ]
+    return Figure(data=[*still, *globe.at(first)], layout=_layout(survey, found, first), frames=frames)
+
+
+def _estimated(survey: "Survey") -> float:
+    """σ as estimated, as a fraction of the diagonal."""
+    return float(survey.estimated.sigma) / survey.pairs.diagonal
+
+
+def _lines(survey: "Survey", fraction: float) -> list[dict[str, Any]]:
+    """Through all panels, the σ that the globe shows (a band), and the one that is estimated (dotted)."""
+    styles = ((fraction, scenes.STRAY, 7, "solid"), (_estimated(survey), scenes.INK, 1, "dot"))
+    return [
+        {
+            "type": "line",
+            **{"x0": at, "x1": at, "xref": "x", "y0": 0, "y1": 1, "yref": "paper"},
+            "line": {"color": css(colour), "width": width, "dash": dash},
+            "layer": "below",
+        }
+        for at, colour, width, dash in styles
+    ]
+
+
+def _layout(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[str, Any]:
+    faint = css(scenes.FAINT_INK)
+    options, plane = survey.options, survey.estimated.plane
+    number = survey.rank.shape[1]
+    normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
+    told = (
+        f"σ estimated: {_estimated(survey):.4g} of the diagonal; {float(survey.estimated.inlier_fraction):.0%} of "
+        f"{len(survey.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
+        f"({options.start}) at each of {len(found)} σ, solver {options.solver}"
+    )
+    headings = [(name, 0.0, optima_panels.top(number)) for number, name in enumerate(optima_panels.NAMES, start=1)]
+    return {
+        "template": "none",
+        "font": {"family": FONT, "size": 13, "color": faint},
+        "title": {
+            "text": f"Mirror plane ({normal}) · x = {float(plane.offset):z.6g}"
+            f"<br><span style='font-size:15px;color:{faint}'>{told}</span>",
+            "font": {"size": 22, "color": css(scenes.INK)},
+            "x": 0.0,
+            "xref": "container",
+            "pad": {"l": 24},
+        },
+        "margin": {"l": 70, "r": 24, "t": 124, "b": 54},
+        "legend": {
+            **{"x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "top"},
+            "itemsizing": "constant",
+            "bgcolor": "rgba(255, 255, 255, 0.6)",
+        },
+        "hovermode": "closest",
+        "scene": {**view(np.asarray(plane.normal)), "domain": {"x": [GLOBE, GLOBE_END], "y": [0.1, 1.0]}},
+        "sliders": [_slider(survey, found, first)],
+        "shapes": _lines(survey, survey.fractions[first]),
+        "annotations": [_heading(*heading) for heading in (*headings, ("where the starts end", GLOBE + 0.03, 1.0))],
+        **optima_panels.axes(),
+    }
+
+
+def _heading(text: str, x: float, y: float) -> dict[str, Any]:
+    return {
+        "text": text,
+        **{"x": x, "xref": "paper", "xanchor": "left", "y": y, "yref": "paper", "yanchor": "bottom"},
+        "yshift": 4,
+        "showarrow": False,
+        "font": {"size": 14, "color": css(scenes.INK)},
+    }
+
+
+def _slider(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[str, Any]:
+    """A step for every σ."""
+    at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
+    share = np.asarray(survey.fits.converged).mean(axis=1)
+    return {
+        "active": first,
+        "steps": [
+            {
+                "label": f"{fraction:.4g} of the diagonal: {len(row)} {'optimum' if len(row) == 1 else 'optima'}, "
+                f"{share[index]:.0%} of the starts converged",
+                "method": "animate",
+                "args": [[str(index)], at_once],
+            }
+            for index, (fraction, row) in enumerate(zip(survey.fractions, found, strict=True))
+        ],
+        "currentvalue": {"prefix": "σ ", "font": {"size": 15, "color": css(scenes.INK)}, "xanchor": "left"},
+        # the labels are sentences: the one at work is enough
+        "font": {"color": "rgba(0, 0, 0, 0)"},
+        "x": GLOBE + 0.03,
+        "len": 0.97 - GLOBE,
+        "y": 0.1,
+    }

@@ -1,0 +1,79 @@
+"""The pairs of a survey, with the size that σ is a fraction of."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from symjax.errors import DegenerateCloudError, TooFewPointsError
+from symjax.preprocess.cloud import prepare
+from symjax.preprocess.validation import finite_rows
+from symjax.symhks.correspondences import MIN_PAIRS, sym_hks
+
+Nonfinite = Literal["raise", "drop"]
+
+
+class SurveyPairs(NamedTuple):
+    """Putative mirror pairs.
+
+    Attributes:
+        x: one end of every pair, in the units of the file.
+        y: the other end.
+        centre: middle of the cloud, or of the pairs.
+        diagonal: of its box, in its principal frame.
+        notes: where the pairs are from, and what was done to the points, as sentences.
+    """
+
+    x: Float[np.ndarray, "n 3"]
+    y: Float[np.ndarray, "n 3"]
+    centre: Float[np.ndarray, "3"]
+    diagonal: float
+    notes: tuple[str, ...]
+
+
+def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise") -> SurveyPairs:
+    """The correspondences of a cloud by Sym-HKS, those of `detect(method="sym-hks")`.
+
+    Args:
+        points: the cloud, in any units.
+        nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
+
+    Raises:
+        SymjaxError: a cloud that has no correspondences; the subclass says why.
+    """
+    cloud = prepare(points, nonfinite=nonfinite)
+    matches = sym_hks(cloud.points)
+    ends = points[cloud.rows[matches.rows]]
+    notes = (f"{len(ends)} pairs by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
+    return SurveyPairs(ends[:, 0], ends[:, 1], cloud.centre, cloud.diagonal, notes)
+
+
+def given_pairs(
+    x: Float[np.ndarray, "n 3"], y: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise"
+) -> SurveyPairs:
+    """Pairs that are known.
+
+    Args:
+        x: one end of every pair, in any units.
+        y: the other end.
+        nonfinite: `"raise"`, or `"drop"` pairs with NaN or infinity.
+
+    Raises:
+        NonfiniteError: NaN or infinity, with `nonfinite="raise"`.
+        TooFewPointsError: fewer than three pairs.
+        DegenerateCloudError: all ends are one point.
+    """
+    notes: list[str] = []
+    rows = finite_rows(np.concatenate([x, y], axis=1), nonfinite, notes)
+    if len(rows) < MIN_PAIRS:
+        raise TooFewPointsError(f"{len(rows)} pairs are too few: a plane takes {MIN_PAIRS} or more")
+    x, y = x[rows], y[rows]
+    ends = np.concatenate([x, y])
+    centre = ends.mean(axis=0)
+    extent = float(np.abs(ends - centre).max(initial=0))
+    if extent == 0:
+        raise DegenerateCloudError(f"all ends of the {len(x)} pairs coincide: no mirror plane is defined")
+    unit = (ends - centre) / extent
+    axes = np.linalg.svd(unit, full_matrices=False)[2]
+    diagonal = extent * float(np.linalg.norm(np.ptp(unit @ axes.T, axis=0)))
+    return SurveyPairs(x, y, centre, diagonal, (f"{len(x)} pairs given", *notes))

@@ -1,0 +1,147 @@
+"""The sweep of a survey, some σ at a time."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from symjax.geometry.plane import Plane
+from symjax.l2e.fit import Fit, best
+from symjax.l2e.fit_plane import MAX_STEPS, fit_global
+from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.sweep import sweep
+from symjax.scale_sweep.optima import ranks
+from symjax.scale_sweep.pairs import SurveyPairs
+
+LANES = 1024
+"""Fits that are computed together, at least: enough to keep the cores busy, and a fraction of a second."""
+
+
+class Options(NamedTuple):
+    """How a survey is made.
+
+    Attributes:
+        start: name of the starts, see `symjax.sweep`.
+        restarts: number of them; of the starts that are one, 1.
+        solver: see `symjax.fit_plane`.
+        continuation: see `symjax.sweep`; the starts are then not known at every σ.
+        seed: of random starts.
+    """
+
+    start: str
+    restarts: int
+    solver: str
+    continuation: bool
+    seed: int
+
+
+class Survey(NamedTuple):
+    """Fits of one set of pairs for every σ and every start. Planes are in the units of the pairs.
+
+    Attributes:
+        pairs: the pairs.
+        options: how they were surveyed.
+        fractions: σ as fractions of the diagonal.
+        fits: the fits.
+        rank: rank by loss of the optimum that each reached, at its σ (`symjax.scale_sweep.optima`).
+        starts: the planes that they began with; None of a continuation.
+        best: the best fit at every σ.
+        estimated: the best fit of all, σ estimated with the plane.
+    """
+
+    pairs: SurveyPairs
+    options: Options
+    fractions: Float[np.ndarray, "S"]
+    fits: Fit
+    rank: Int[np.ndarray, "S R"]
+    starts: Plane | None
+    best: Fit
+    estimated: Fit
+
+
+def survey(
+    pairs: SurveyPairs,
+    fractions: Sequence[float],
+    options: Options,
+    *,
+    stage: Callable[[str], None],
+    advance: Callable[[int, int], None],
+) -> Survey:
+    """Sweeps pairs over σ and starts, in float64, and looks for the best plane of all.
+
+    Args:
+        pairs: the pairs.
+        fractions: scales σ as fractions of the diagonal.
+        options: see `Options`.
+        stage: called with the name of every stage as it begins.
+        advance: called with the number of σ that are done, and of all.
+
+    Raises:
+        SymjaxError: see `symjax.sweep`.
+    """
+    sigmas = np.asarray(fractions, float) * pairs.diagonal
+    if options.start in NORMALS:
+        options = options._replace(restarts=1)
+    with jax.enable_x64(True):
+        starts, fits = _swept(pairs, sigmas, options, stage, advance)
+        stage("estimating sigma")
+        estimated = _known(fit_global(pairs.x, pairs.y, "auto"))
+        winners = _known(best(fits))
+    rank = np.stack(
+        [
+            ranks(Plane(*planes), loss, converged, centre=pairs.centre, diagonal=pairs.diagonal)
+            for *planes, loss, converged in zip(*fits.plane, fits.loss, np.asarray(fits.converged), strict=True)
+        ]
+    )
+    return Survey(pairs, options, np.asarray(fractions, float), fits, rank, starts, winners, estimated)
+
+
+def _swept(
+    pairs: SurveyPairs,
+    sigmas: Float[np.ndarray, "S"],
+    options: Options,
+    stage: Callable[[str], None],
+    advance: Callable[[int, int], None],
+) -> tuple[Plane | None, Fit]:
+    """The starts and the fits, from sweeps of one compiled shape."""
+    is_whole = options.continuation
+    parts = -(-len(sigmas) * options.restarts // LANES)
+    size = len(sigmas) if is_whole else -(-len(sigmas) // min(parts, len(sigmas)))
+    key = jax.random.key(options.seed) if options.start == "random" else None
+
+    def run(some: Float[np.ndarray, "s"], max_steps: int) -> Fit:
+        padded = np.concatenate([some, np.repeat(some[-1:], size - len(some))])
+        fits = sweep(
+            pairs.x,
+            pairs.y,
+            padded,
+            options.start,
+            restarts=options.restarts,
+            key=key,
+            solver=options.solver,
+            continuation=options.continuation,
+            max_steps=max_steps,
+        )
+        return jax.tree.map(lambda leaf: leaf[: len(some)], _known(fits))
+
+    stage("compiling")
+    # a sweep of no step ends where it began
+    begun = [run(sigmas[first : first + size], 0) for first in range(0, len(sigmas), size)]
+    stage("sweeping sigma")
+    advance(0, len(sigmas))
+    fits = []
+    for first in range(0, len(sigmas), size):
+        fits.append(run(sigmas[first : first + size], MAX_STEPS))
+        advance(min(first + size, len(sigmas)), len(sigmas))
+    starts = None if is_whole else _joined(begun).plane
+    return starts, _joined(fits)
+
+
+def _known(fits: Fit) -> Fit:
+    return jax.tree.map(np.asarray, fits)
+
+
+def _joined(parts: list[Fit]) -> Fit:
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)

@@ -1,0 +1,243 @@
+"""The basin map of a survey: the sphere of normals, each part of it in the colour of the optimum that it leads to.
+
+A plane is two opposite points of the sphere, so that any view of half of it shows every plane once.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
+
+from symjax.scale_sweep.optima import NOWHERE, Optimum
+from symjax.viz import scene as scenes
+from symjax.viz.plotly_traces import coordinates, css
+
+if TYPE_CHECKING:
+    from symjax.scale_sweep.run import Survey
+
+COLOURS: tuple[scenes.Rgb, ...] = (
+    scenes.PLANE,
+    scenes.CLOUD,
+    scenes.MIRRORED,
+    scenes.PAIR,
+    (132, 94, 194),
+    (214, 176, 52),
+    scenes.REJECTED,
+    scenes.INK,
+)
+"""Of the best optimum, the next ones, all others, and of starts that have not converged."""
+
+OTHERS, UNCONVERGED, EMPTY = len(COLOURS) - 2, len(COLOURS) - 1, len(COLOURS)
+NAMES = ("best optimum", "2nd", "3rd", "4th", "5th", "6th", "other optima", "not converged")
+
+TINT = 0.42
+"""Share of its colour in a cell; the rest is white, so that starts and optima stand out."""
+
+SUBDIVISIONS = 5
+"""Of the icosahedron that is painted: triangles of 2 degrees."""
+
+REACH, FARTHEST = 1.3, 0.4
+"""A start paints what is within so many spacings of evenly spread starts, and so many radians."""
+
+DOT, LIFT = 1.012, 1.03
+"""Radii at which starts and optima are drawn: just above the sphere."""
+
+FRAME, ZOOM = 1.3, 1.95
+"""Half the side of the cube that is shown, and its size: an orthographic view is scaled by this."""
+
+TILT = np.radians(24.0)
+"""Angle between the view and the estimated normal."""
+
+
+def colour_index(rank: Int[np.ndarray, "*n"]) -> Int[np.ndarray, "*n"]:
+    """Which of `COLOURS` a rank has."""
+    return np.where(rank == NOWHERE, UNCONVERGED, np.minimum(rank, OTHERS)).astype(np.uint8)
+
+
+class Globe:
+    """The traces of the basin map: those that stay, and those that change with σ.
+
+    Args:
+        survey: what is drawn.
+        optima: the distinct optima at every σ.
+    """
+
+    def __init__(self, survey: "Survey", optima: list[list[Optimum]]) -> None:
+        self._survey, self._optima = survey, optima
+        # trimesh takes a moment to import
+        from trimesh.creation import icosphere
+
+        sphere = icosphere(subdivisions=SUBDIVISIONS)
+        self._vertices, self._faces = np.asarray(sphere.vertices), np.asarray(sphere.faces)
+        middles = self._vertices[self._faces].mean(axis=1)
+        self._middles = middles / np.linalg.norm(middles, axis=1, keepdims=True)
+
+    def fixed(self) -> list[dict[str, Any]]:
+        """Axes, the estimated normal, and the legend."""
+        normal = np.asarray(self._survey.estimated.plane.normal)
+        return [*_legend(colour_index(self._survey.rank)), _estimated(normal), _axes()]
+
+    def at(self, index: int) -> list[dict[str, Any]]:
+        """Cells, starts and optima, three traces, at the σ of this index."""
+        starts = self._survey.starts
+        if starts is None:
+            normals, rank = np.zeros((0, 3)), np.zeros(0, int)
+        else:
+            normals, rank = np.asarray(starts.normal[index]), self._survey.rank[index]
+        return [self._cells(normals, rank), self._starts(normals, rank), self._marks(self._optima[index])]
+
+    def changes(self, index: int) -> list[dict[str, Any]]:
+        """What of those three is another at the σ of this index."""
+        cells, *points = self.at(index)
+        varying = ("type", "x", "y", "z", "marker", "customdata", "text")
+        return [
+            {name: cells[name] for name in ("type", "intensity")},
+            *({name: trace[name] for name in varying if name in trace} for trace in points),
+        ]
+
+    def _cells(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> dict[str, Any]:
+        """The sphere, every triangle in the colour of the nearest start; white where none is near."""
+        x, y, z = self._vertices.T.astype(np.float32)
+        i, j, k = self._faces.T.astype(np.int32)
+        tints = [tuple(round(TINT * channel + (1 - TINT) * 255) for channel in colour) for colour in COLOURS]
+        return {
+            "type": "mesh3d",
+            **{"x": x, "y": y, "z": z, "i": i, "j": j, "k": k},
+            "intensity": self._painted(normals, rank),
+            "intensitymode": "cell",
+            **_scale([*tints, (250, 250, 251)]),
+            "showscale": False,
+            "lighting": {"ambient": 0.86, "diffuse": 0.22, "specular": 0.0, "fresnel": 0.0},
+            "flatshading": False,
+            "hoverinfo": "skip",
+            "scene": "scene",
+        }
+
+    def _painted(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> Int[np.ndarray, "f"]:
+        if len(normals) == 0:
+            return np.full(len(self._middles), EMPTY, np.uint8)
+        # so many starts have half the sphere, of area 2π, to share
+        reach = min(REACH * np.sqrt(2 * np.pi / len(normals)), FARTHEST)
+        distance, nearest = cKDTree(np.concatenate([normals, -normals])).query(self._middles)
+        painted = colour_index(rank)[nearest % len(normals)]
+        return np.where(distance < reach, painted, EMPTY).astype(np.uint8)
+
+    def _starts(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> dict[str, Any]:
+        both = DOT * np.concatenate([normals, -normals]).astype(np.float32)
+        return {
+            "type": "scatter3d",
+            "mode": "markers",
+            "name": "starts",
+            **dict(zip("xyz", both.T, strict=True)),
+            "marker": {
+                "size": float(np.clip(64 / np.sqrt(max(len(normals), 1)), 1.5, 5.0)),
+                "color": np.tile(colour_index(rank), 2),
+                **_scale(COLOURS),
+                "line": {"width": 0},
+            },
+            "customdata": np.tile(rank + 1, 2).astype(np.int32),
+            "hovertemplate": "start (%{x:.3f}, %{y:.3f}, %{z:.3f})<br>reaches optimum %{customdata}<extra></extra>",
+            "showlegend": False,
+            "scene": "scene",
+        }
+
+    def _marks(self, optima: list[Optimum]) -> dict[str, Any]:
+        """The optima, the larger the more starts reach them."""
+        normals = np.reshape([optimum.plane.normal for optimum in optima], (-1, 3))
+        rank = np.arange(len(optima))
+        size = [7 + 11 * float(np.sqrt(optimum.share)) for optimum in optima]
+        said = [
+            f"optimum {number} of {len(optima)}<br>{optimum.share:.1%} of the starts<br>loss {optimum.loss:.6g}"
+            for number, optimum in enumerate(optima, start=1)
+        ]
+        return {
+            "type": "scatter3d",
+            "mode": "markers",
+            "name": "optima",
+            **dict(zip("xyz", LIFT * np.concatenate([normals, -normals]).T, strict=True)),
+            "marker": {
+                "symbol": "diamond",
+                "size": size * 2,
+                "color": np.tile(colour_index(rank), 2),
+                **_scale(COLOURS),
+                "line": {"width": 2, "color": css(scenes.INK)},
+                "opacity": 1.0,
+            },
+            "text": said * 2,
+            "hovertemplate": "%{text}<extra></extra>",
+            "showlegend": False,
+            "scene": "scene",
+        }
+
+
+def view(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
+    """The scene: the globe from nearly above the estimated normal."""
+    aside = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    up = np.cross(aside / np.linalg.norm(aside), normal)
+    toward = np.cos(TILT) * normal - np.sin(TILT) * up
+    hidden = {"visible": False, "range": [-FRAME, FRAME]}
+    return {
+        "xaxis": hidden,
+        "yaxis": hidden,
+        "zaxis": hidden,
+        "aspectmode": "manual",
+        "aspectratio": dict.fromkeys("xyz", ZOOM),
+        "dragmode": "orbit",
+        "camera": {
+            "eye": coordinates(1.25 * toward),
+            "up": coordinates(up),
+            "projection": {"type": "orthographic"},
+        },
+    }
+
+
+def _scale(colours: Any) -> dict[str, Any]:
+    """A colour scale of steps: colour k for the number k."""
+    count = len(colours)
+    steps = [[edge / count, css(colour)] for k, colour in enumerate(colours) for edge in (k, k + 1)]
+    return {"colorscale": steps, "cmin": -0.5, "cmax": count - 0.5}
+
+
+def _axes() -> dict[str, Any]:
+    tips = 1.17 * np.eye(3)
+    ends = np.stack([0.98 * np.eye(3), tips, np.full((3, 3), np.nan)], axis=1).reshape(-1, 3)
+    return {
+        "type": "scatter3d",
+        "mode": "lines+text",
+        **dict(zip("xyz", ends.T, strict=True)),
+        "text": [label for axis in "xyz" for label in ("", axis, "")],
+        "textfont": {"size": 14, "color": css(scenes.FAINT_INK)},
+        "line": {"color": css(scenes.REJECTED), "width": 3},
+        "hoverinfo": "skip",
+        "showlegend": False,
+        "scene": "scene",
+    }
+
+
+def _estimated(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
+    ends = 1.12 * np.stack([normal, -normal])
+    return {
+        "type": "scatter3d",
+        "mode": "markers",
+        "name": "normal with σ estimated",
+        **dict(zip("xyz", ends.T, strict=True)),
+        "marker": {"symbol": "cross", "size": 6, "color": css(scenes.INK)},
+        "hovertemplate": "normal with σ estimated<extra></extra>",
+        "scene": "scene",
+    }
+
+
+def _legend(used: Int[np.ndarray, "S R"]) -> list[dict[str, Any]]:
+    """An entry for each colour that occurs, of a trace that shows nothing."""
+    return [
+        {
+            "type": "scatter3d",
+            "mode": "markers",
+            "name": NAMES[index],
+            **{axis: [None] for axis in "xyz"},
+            "marker": {"color": css(COLOURS[index]), "size": 8},
+            "scene": "scene",
+        }
+        for index in np.unique(used)
+    ]

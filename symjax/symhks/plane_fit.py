@@ -1,0 +1,152 @@
+"""The plane of matched pairs: starts of the estimator, the distinct optima they reach, and a score to compare with."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from symjax.geometry.plane import Plane
+from symjax.l2e import manifolds
+from symjax.l2e.fit import Fit
+from symjax.l2e.objective import l2e_weights
+from symjax.l2e.pairs.padded import Pairs, given_pairs
+from symjax.l2e.starts import initialization
+from symjax.l2e.sweep import sweep
+from symjax.method.result import Candidate
+
+SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
+"""Planes nearer than this (degrees, units of the points) are one optimum."""
+
+NUM_RANDOM_PLANES = 1024
+RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.0
+"""The score to exceed is 3 times the 0.95 quantile of the scores of random planes."""
+
+
+class Search(NamedTuple):
+    """What a search found.
+
+    Attributes:
+        candidates: the distinct optima, the converged first, then by loss; a score is the mean L2E weight of the pairs.
+        weight: L2E weights of the pairs at the first of them.
+        threshold: the score that the first should exceed.
+        converged: whether the solver converged to the first.
+        message: how it ended there, a sentence.
+    """
+
+    candidates: tuple[Candidate, ...]
+    weight: Float[np.ndarray, "m"]
+    threshold: float
+    converged: bool
+    message: str
+
+
+def search(
+    x: Float[np.ndarray, "m 3"],
+    y: Float[np.ndarray, "m 3"],
+    sigma: float,
+    *,
+    restarts: int,
+    solver: str,
+    rng: np.random.Generator,
+) -> Search:
+    """Fits the plane of putative pairs from several starts, in float64.
+
+    Args:
+        x: one end of every pair, in units of the cloud's diagonal about its mean.
+        y: the other end.
+        sigma: scale σ of the residual, in the same units.
+        restarts: number of starts: the robust Grassmann average of the paper first, then the principal direction,
+            the least-squares plane, the planes of the best single pairs, and even directions.
+        solver: see `fit_plane`.
+        rng: draws the random planes.
+    """
+    with jax.enable_x64(True):
+        pairs = given_pairs(x, y, None)
+        fits = sweep(
+            pairs.x, pairs.y, np.array([sigma]), _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver
+        )
+        candidates, first = _distinct(fits, pairs, sigma)
+        weight = _weights(jax.tree.map(lambda leaf: leaf[None], candidates[0].plane), sigma, pairs)[0, : len(x)]
+        threshold = FOUND_FACTOR * float(np.quantile(_scores(_random_planes(x, y, rng), sigma, pairs), RANDOM_QUANTILE))
+        return Search(candidates, weight, threshold, bool(first.converged), str(first.message))
+
+
+def _starts(pairs: Pairs, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
+    """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
+    named = np.asarray(_named_starts(pairs))[:restarts]
+    half = (restarts - len(named)) // 2
+    # always as many of each, since every number of directions is compiled anew
+    voted = np.concatenate([_pair_normals(pairs, sigma, half), manifolds.fibonacci(max(half, 1))])[:half]
+    even = np.asarray(manifolds.fibonacci(max(restarts - len(named) - half, 1)))
+    return np.concatenate([named, voted, even])[:restarts]
+
+
+@jax.jit
+def _named_starts(pairs: Pairs) -> Float[Array, "3 3"]:
+    x, y, weights, _ = pairs
+    rga = initialization.rga_normal(x, y, weights=weights)
+    pca = initialization.pca_normal(x, y, weights=weights)
+    return jnp.stack([rga, pca, initialization.l2_plane(x, y, weights).normal])
+
+
+def _pair_normals(pairs: Pairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
+    """Normals of the planes that single pairs define, the best supported first, no two alike."""
+    x, y, real, _ = (np.asarray(leaf) for leaf in pairs)
+    step = y - x
+    length = np.linalg.norm(step, axis=1, keepdims=True)
+    normals = step / np.where(length > 0, length, 1.0)
+    planes = Plane(normals, (normals * (x + y) / 2).sum(axis=1))
+    order = np.argsort(-_scores(planes, sigma, pairs), kind="stable")
+    return normals[_suppressed(planes, order[real[order] > 0], most)]
+
+
+def _distinct(fits: Fit, pairs: Pairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
+    """The distinct optima of a sweep over starts, the converged first, then by loss; and the best one's fit."""
+    row = jax.tree.map(lambda leaf: leaf[0], fits)
+    loss = np.asarray(row.loss)
+    planes = Plane(np.asarray(row.plane.normal), np.asarray(row.plane.offset))
+    kept = _suppressed(planes, np.lexsort((loss, ~np.asarray(row.converged))), len(loss))
+    scores = _scores(planes, sigma, pairs)
+    candidates = tuple(Candidate(Plane(planes.normal[i], planes.offset[i]), float(scores[i])) for i in kept)
+    return candidates, jax.tree.map(lambda leaf: leaf[kept[0]], row)
+
+
+def _suppressed(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
+    """Rows in the given order, at most so many, without those near one already taken."""
+    kept: list[int] = []
+    for i in order:
+        if len(kept) == most:
+            break
+        near = Plane(planes.normal[kept], planes.offset[kept])
+        sign = np.where(near.normal @ planes.normal[i] < 0, -1.0, 1.0)
+        angle = near.angle(Plane(planes.normal[i], planes.offset[i]))
+        same = (angle < SAME_ANGLE) & (np.abs(near.offset - sign * planes.offset[i]) < SAME_OFFSET)
+        if not same.any():
+            kept.append(int(i))
+    return np.asarray(kept, dtype=int)
+
+
+def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng: np.random.Generator) -> Plane:
+    """Planes of even direction through random pairs' mid-points."""
+    normals = rng.normal(size=(NUM_RANDOM_PLANES, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    row = rng.integers(len(x), size=NUM_RANDOM_PLANES)
+    return Plane(normals, (normals * (x[row] + y[row]) / 2).sum(axis=1))
+
+
+def _weights(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p b"]:
+    return np.asarray(_all_weights(planes, jnp.asarray(sigma), pairs))
+
+
+@jax.jit
+def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: Pairs) -> Float[Array, "p b"]:
+    """L2E weight of every pair at every plane; zero for padding."""
+    weigh = jax.vmap(lambda v, omega: l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights)
+    return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
+
+
+def _scores(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p"]:
+    """Mean L2E weight of the real pairs at every plane."""
+    return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())

@@ -1,0 +1,220 @@
+"""An interactive page of a detection: the cloud with its plane and pairs, and the completed object."""
+
+import os
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from symjax.io.atomic import replacing
+from symjax.viz import scene as scenes
+from symjax.viz.plotly_traces import coordinates, css, headlight, pairs_trace, plane_traces, points_trace
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+    from symjax.detection.result import Detection
+
+MAX_POINTS = 20_000
+MAX_PAIRS = 1000
+STRAY_SCALE = 0.4
+"""Size of the points that were left out, beside those of the surface."""
+
+MAX_OTHERS = 4
+"""Candidate planes beside the best that the legend offers."""
+
+DISTANT = 1e4
+"""A cloud this many sizes from the origin is drawn about its own middle: browsers draw in float32."""
+
+FINE = 0.55
+"""Size of the points that the pairs run through, beside that of points which close the surface."""
+
+ZOOM = 1.9
+"""Length in plotly's units of what is longest in the first view: an orthographic view's size is set by this."""
+
+DIV_ID = "symjax-figure"
+
+FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+LINK_VIEWS = """
+const page = document.getElementById("{plot_id}");
+let copying = false;
+const copy = (change) => {
+  if (copying) return;
+  const same = {};
+  for (const [from, to] of [["scene", "scene2"], ["scene2", "scene"]])
+    for (const part of [".camera", ".aspectratio"])
+      if (change[from + part]) same[to + part] = change[from + part];
+  if (!Object.keys(same).length) return;
+  copying = true;
+  Plotly.relayout(page, same).finally(() => { copying = false; });
+};
+page.on("plotly_relayouting", copy);
+page.on("plotly_relayout", copy);
+"""
+"""Turning or zooming one view does it to the other; an orthographic view zooms by its aspect ratio."""
+
+POLICY = "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:"
+"""The browser itself refuses to fetch anything; plotly compiles its drawing code, hence the eval."""
+
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+html, body {{ height: 100%; margin: 0; background: #fff; }}
+body {{ display: flex; flex-direction: column; font: 14px {font}; color: {faint}; }}
+main {{ flex: 1; min-height: 420px; }}
+footer {{ padding: 4px 24px 14px; }}
+</style>
+</head>
+<body>
+<main>
+{figure}
+</main>
+<footer>{notes}</footer>
+</body>
+</html>
+"""
+
+
+def write_html(
+    detection: "Detection",
+    path: str | os.PathLike[str],
+    *,
+    title: str = "symjax",
+    max_points: int = MAX_POINTS,
+    up: Float[np.ndarray, "3"] | None = None,
+) -> None:
+    """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
+
+    Turning one of the two views turns the other.
+
+    Args:
+        detection: what `symjax.detect` gave.
+        path: file to write; it is replaced if it exists.
+        title: the page's title, as plain text.
+        max_points: the most points of the cloud that are drawn.
+        up: what points up in the first view; by default the cloud's longest direction within the plane.
+
+    Raises:
+        TooFewPointsError: the detection holds no points.
+        InvalidArgumentError: `max_points` or `up` is out of range, or the file cannot be written.
+    """
+    body = figure(detection, max_points=max_points, up=up).to_html(
+        full_html=False,
+        include_plotlyjs=True,
+        include_mathjax=False,
+        div_id=DIV_ID,
+        default_height="100%",
+        post_script=LINK_VIEWS,
+        config={
+            "displaylogo": False,
+            "responsive": True,
+            "plotlyServerURL": "",
+            "modeBarButtons": [["toImage", "resetCameraDefault3d"]],
+        },
+    )
+    notes = " · ".join(escape(str(note)) for note in (f"method {detection.method}", *detection.notes))
+    page = PAGE.format(
+        title=escape(title), policy=POLICY, font=FONT, faint=css(scenes.FAINT_INK), figure=body, notes=notes
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+
+
+def figure(
+    detection: "Detection", *, max_points: int = MAX_POINTS, up: Float[np.ndarray, "3"] | None = None
+) -> "Figure":
+    """A plotly figure of two views: cloud, plane and pairs; and the cloud with its mirror image.
+
+    Pairs that agree with the plane are red, their ends the redder the more they weigh; the others are faint and
+    grey. The legend shows and hides each part, and offers the planes of the other candidates. A cloud very far
+    from the origin is drawn about its own middle, which the axis titles then give.
+
+    Args:
+        detection: what `symjax.detect` gave.
+        max_points: the most points of the cloud that are drawn.
+        up: what points up; by default the cloud's longest direction within the plane.
+
+    Raises:
+        TooFewPointsError: the detection holds no points.
+        InvalidArgumentError: `max_points` or `up` is out of range.
+    """
+    from plotly.graph_objects import Figure  # a good part of a second, for those who draw
+
+    scene = scenes.build(detection, max_points=max_points, max_pairs=MAX_PAIRS, up=up)
+    is_distant = bool(np.abs(scene.origin).max() > DISTANT * scene.size)
+    shift = np.zeros(3) if is_distant else scene.origin
+    light = headlight(scene.cloud, scene.view.toward)
+    accepted = scene.weight >= scenes.ACCEPTED_WEIGHT
+    traces = [
+        points_trace(scene.cloud + shift, light, "cloud", scenes.CLOUD, scene="scene", scale=FINE),
+        points_trace(scene.cloud + shift, light, "cloud", scenes.CLOUD, scene="scene2", showlegend=False),
+        points_trace(scene.mirrored + shift, light, "its mirror image", scenes.MIRRORED, scene="scene2"),
+        *plane_traces(scene.quad + shift, "mirror plane", scenes.PLANE),
+    ]
+    if len(scene.stray):
+        dark = np.ones(len(scene.stray))
+        traces.append(
+            points_trace(scene.stray + shift, dark, "left out", scenes.STRAY, scene="scene", scale=STRAY_SCALE)
+        )
+    if accepted.any():
+        traces.append(pairs_trace(scene, shift, accepted, "matched pairs", scenes.PAIR, width=3, opacity=1.0))
+    if not accepted.all():
+        traces.append(pairs_trace(scene, shift, ~accepted, "rejected pairs", scenes.REJECTED, width=1, opacity=0.4))
+    for rank, quad in enumerate(scene.others[:MAX_OTHERS], start=2):
+        name = f"candidate {rank}, score {detection.candidates[rank - 1].score:.3f}"
+        traces += plane_traces(quad + shift, name, scenes.REJECTED, visible="legendonly")
+    return Figure(data=traces, layout=_layout(detection, scene, shift))
+
+
+def _layout(detection: "Detection", scene: scenes.Scene, shift: Float[np.ndarray, "3"]) -> dict[str, Any]:
+    """Headline, legend, and two views of the same box from the same side, without grids."""
+    equation, verdict = (escape(line) for line in scenes.headline(detection))
+    low, high = scenes.box(scene, np.eye(3))
+    low, high = low - 0.02 * scene.size, high + 0.02 * scene.size
+    longest = np.ptp(scenes.box(scene, np.stack(scene.view[:2]).T), axis=0).max()
+    space: dict[str, Any] = {
+        "aspectmode": "manual",
+        "aspectratio": coordinates(ZOOM * (high - low) / longest),
+        "dragmode": "orbit",
+        "camera": {
+            "eye": coordinates(2 * scene.view.toward),
+            "up": coordinates(scene.view.up),
+            "projection": {"type": "orthographic"},
+        },
+    }
+    for name, bottom, top, middle, moved in zip(
+        "xyz", low + shift, high + shift, scene.origin, scene.origin - shift, strict=True
+    ):
+        space[f"{name}axis"] = {
+            "range": [bottom, top],
+            "visible": bool(moved),
+            "title": {"text": f"{name} {'−' if middle > 0 else '+'} {abs(middle):.9g}"},
+            "showgrid": False,
+            "showbackground": False,
+            "zeroline": False,
+            "showticklabels": False,
+            "showspikes": False,
+        }
+    faint = css(scenes.FAINT_INK)
+    return {
+        "template": "none",
+        "font": {"family": FONT, "size": 14, "color": faint},
+        "title": {
+            "text": f"{equation}<br><span style='font-size:15px;color:{faint}'>{verdict}</span>",
+            "font": {"size": 22, "color": css(scenes.INK)},
+            "x": 0.0,
+            "xref": "container",
+            "pad": {"l": 24},
+        },
+        "margin": {"l": 0, "r": 0, "t": 84, "b": 0},
+        "legend": {"orientation": "h", "x": 0.01, "y": 0.0, "yanchor": "bottom", "itemsizing": "constant"},
+        "scene": {**space, "domain": {"x": [0.0, 0.5], "y": [0.06, 1.0]}},
+        "scene2": {**space, "domain": {"x": [0.5, 1.0], "y": [0.06, 1.0]}},
+    }

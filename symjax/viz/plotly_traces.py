@@ -1,0 +1,127 @@
+"""The parts of the interactive figure: points, planes and pairs as plotly traces (plain dictionaries)."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.spatial import cKDTree
+
+from symjax.geometry.local_frames import local_frames
+from symjax.viz import scene as scenes
+
+LAMP_NEIGHBOURS = 16
+"""Neighbours that give a point the normal by which it is lit."""
+
+DARKEST = 0.45
+"""Brightness of a point whose surface is seen edge on."""
+
+
+def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n"]:
+    """Light on every point from a lamp beside the viewer, 0 to 1: shows shape, and asks no side of a normal."""
+    if len(points) < LAMP_NEIGHBOURS:
+        return np.ones(len(points))
+    neighbours = cKDTree(points).query(points, LAMP_NEIGHBOURS)[1]
+    return np.abs(local_frames(points, neighbours)[1][:, :, 0] @ toward)
+
+
+def points_trace(
+    points: Float[np.ndarray, "n 3"],
+    light: Float[np.ndarray, "n"],
+    name: str,
+    colour: scenes.Rgb,
+    *,
+    scale: float = 1.0,
+    **options: Any,
+) -> dict[str, Any]:
+    """Points that just close a surface, lit; the brightest first, since the legend shows the first one's colour."""
+    order = np.argsort(-light, kind="stable")
+    return {
+        "type": "scatter3d",
+        "mode": "markers",
+        "name": name,
+        "legendgroup": name,
+        **_columns(points[order].astype(np.float32)),
+        "marker": {
+            "size": scale * float(np.clip(280 / np.sqrt(len(points)), 2.2, 8.0)),
+            "color": light[order].astype(np.float32),
+            "colorscale": [[0, css(colour, DARKEST)], [1, css(colour)]],
+            "cmin": 0,
+            "cmax": 1,
+            "line": {"width": 0},
+        },
+        "hovertemplate": "%{x:.5g}, %{y:.5g}, %{z:.5g}<extra></extra>",
+        **options,
+    }
+
+
+def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: scenes.Rgb, **options: Any) -> list[dict[str, Any]]:
+    """A translucent quad and its edge, under one legend entry."""
+    shared = {"name": name, "legendgroup": name, "hoverinfo": "skip", "scene": "scene", **options}
+    face = {
+        "type": "mesh3d",
+        **_columns(quad),
+        "i": [0, 0],
+        "j": [1, 2],
+        "k": [2, 3],
+        "color": css(colour),
+        "opacity": 0.3,
+        "lighting": {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0},
+        "showlegend": True,
+    }
+    edge = {
+        "type": "scatter3d",
+        "mode": "lines",
+        **_columns(quad[[0, 1, 2, 3, 0]]),
+        "line": {"color": css(colour), "width": 4},
+        "showlegend": False,
+    }
+    return [{**face, **shared}, {**edge, **shared}]
+
+
+def pairs_trace(
+    scene: scenes.Scene,
+    shift: Float[np.ndarray, "3"],
+    chosen: Bool[np.ndarray, "m"],
+    name: str,
+    colour: scenes.Rgb,
+    *,
+    width: float,
+    opacity: float,
+) -> dict[str, Any]:
+    """The chosen pairs as one trace: segments with a gap after each, their ends coloured by weight."""
+    gap = np.full((int(chosen.sum()), 3), np.nan)
+    ends = np.stack([scene.x[chosen] + shift, scene.y[chosen] + shift, gap], axis=1).reshape(-1, 3)
+    weight = np.repeat(scene.weight[chosen], 3)
+    return {
+        "type": "scatter3d",
+        "mode": "lines+markers",
+        "name": f"{name} ({len(gap)})",
+        "scene": "scene",
+        **_columns(ends),
+        "line": {"color": css(colour), "width": width},
+        "marker": {
+            "size": 1 + width,
+            "color": weight,
+            "colorscale": [[0, css(scenes.REJECTED)], [1, css(scenes.PAIR)]],
+            "cmin": 0,
+            "cmax": 1,
+            "line": {"width": 0},
+        },
+        "opacity": opacity,
+        "customdata": weight,
+        "hovertemplate": "weight %{customdata:.3f}<extra></extra>",
+    }
+
+
+def _columns(points: Float[np.ndarray, "n 3"]) -> dict[str, Float[np.ndarray, "n"]]:
+    return dict(zip("xyz", points.T, strict=True))
+
+
+def coordinates(vector: Float[np.ndarray, "3"]) -> dict[str, float]:
+    """The vector as plotly writes one."""
+    return dict(zip("xyz", vector.tolist(), strict=True))
+
+
+def css(colour: scenes.Rgb, brightness: float = 1.0) -> str:
+    """The colour as style sheets write it."""
+    return "rgb({}, {}, {})".format(*(round(brightness * channel) for channel in colour))

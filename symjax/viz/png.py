@@ -1,0 +1,234 @@
+"""A picture of a detection for a page or a talk: cloud, plane and pairs, and the completed object.
+
+Drawn with Pillow and NumPy alone.
+"""
+
+import os
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from PIL import Image, ImageDraw, ImageFont
+
+from symjax.errors import InvalidArgumentError
+from symjax.io.atomic import replacing
+from symjax.viz import scene as scenes
+from symjax.viz.rasterizer import shaded_discs
+
+if TYPE_CHECKING:
+    from symjax.detection.result import Detection
+
+MAX_POINTS = 300_000
+MAX_PAIRS = 250
+SMALLEST_SIZE = (400, 240)
+SUPERSAMPLING = 2
+"""Pixels are drawn this much finer and averaged: smooth edges."""
+
+BACKGROUND = (255, 255, 255)
+PLANE_OPACITY = 0.28
+COINCIDENT = 0.02
+"""The mirrored cloud stands back by this share of the size: where both have surface, the input is seen."""
+
+
+class Panel(NamedTuple):
+    """A view fitted into a rectangle of supersampled pixels."""
+
+    view: scenes.View
+    centre: Float[np.ndarray, "2"]
+    scale: float
+    width: int
+    height: int
+
+    def project(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Pixel column, pixel row, and nearness to the viewer in pixels."""
+        column, row, near = (points @ np.stack(self.view).T).T
+        return np.stack(
+            [
+                (column - self.centre[0]) * self.scale + self.width / 2,
+                (self.centre[1] - row) * self.scale + self.height / 2,
+                near * self.scale,
+            ],
+            axis=1,
+        )
+
+    def pixels(self, points: Float[np.ndarray, "n 3"]) -> list[tuple[float, float]]:
+        """Pixel positions as Pillow wants them."""
+        return [(float(column), float(row)) for column, row, _ in self.project(points)]
+
+
+def write_png(
+    detection: "Detection",
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] = (1500, 750),
+    up: Float[np.ndarray, "3"] | None = None,
+) -> None:
+    """Write the picture of a detection: cloud, plane and pairs on the left, the completed cloud on the right.
+
+    The same detection gives the same bytes. The view is chosen from the plane: its normal points sideways,
+    27° off. Pairs are coloured by their L2E weight; those that do not agree with the plane are faint and grey.
+
+    Args:
+        detection: what `symjax.detect` gave.
+        path: file to write; it is replaced if it exists.
+        size: width and height in pixels.
+        up: what points up in the picture; by default the cloud's longest direction within the plane.
+
+    Raises:
+        TooFewPointsError: the detection holds no points.
+        InvalidArgumentError: `size` is too small, `up` is no direction, or the file cannot be written.
+    """
+    image = draw(detection, size=size, up=up)
+    with replacing(path) as temporary:
+        image.save(temporary, format="PNG", optimize=True)
+
+
+def draw(
+    detection: "Detection", *, size: tuple[int, int] = (1500, 750), up: Float[np.ndarray, "3"] | None = None
+) -> Image.Image:
+    """The picture as a Pillow image; arguments and errors as for `write_png`."""
+    if size[0] < SMALLEST_SIZE[0] or size[1] < SMALLEST_SIZE[1]:
+        raise InvalidArgumentError(f"size must be at least {SMALLEST_SIZE}, got {size}")
+    scene = scenes.build(detection, max_points=MAX_POINTS, max_pairs=MAX_PAIRS, up=up)
+    width, height = size
+    unit = min(height, width / 2) / 750
+    header, footer = round(96 * unit), round(52 * unit)
+    panel = _fit(scene, width // 2, height - header - footer)
+
+    page = Image.new("RGB", size, BACKGROUND)
+    left = _draw_panel(panel, scene, scene.cloud, np.zeros(len(scene.cloud), bool), pairs=True)
+    both = np.concatenate([scene.cloud, scene.mirrored])
+    right = _draw_panel(panel, scene, both, np.arange(len(both)) >= len(scene.cloud), pairs=False)
+    for column, drawn in ((0, left), (width // 2, right)):
+        page.paste(drawn.reduce(SUPERSAMPLING), (column, header))
+    _write_text(ImageDraw.Draw(page), scenes.headline(detection), scene, size, unit)
+    return page
+
+
+def _fit(scene: scenes.Scene, width: int, height: int) -> Panel:
+    """The largest view of the completed cloud and the quad in a panel of so many pixels."""
+    low, high = scenes.box(scene, np.stack(scene.view[:2]).T)
+    width, height = width * SUPERSAMPLING, height * SUPERSAMPLING
+    scale = 0.94 * float(np.min(np.array([width, height]) / np.maximum(high - low, 1e-3 * scene.size)))
+    return Panel(scene.view, (low + high) / 2, scale, width, height)
+
+
+def _draw_panel(
+    panel: Panel,
+    scene: scenes.Scene,
+    points: Float[np.ndarray, "n 3"],
+    is_mirrored: Bool[np.ndarray, "n"],
+    *,
+    pairs: bool,
+) -> Image.Image:
+    """Back to front: what is behind the plane, the plane, what is before it."""
+    projected = panel.project(points)
+    projected[is_mirrored, 2] -= COINCIDENT * scene.size * panel.scale
+    colours = np.where(is_mirrored[:, None], scenes.MIRRORED, scenes.CLOUD)
+    facing = 1.0 if scene.plane.normal @ scene.view.toward > 0 else -1.0
+    side = facing * scene.plane.signed_distance(points)
+    radius = _disc_radius(projected[~is_mirrored], panel)
+    far, near = np.quantile(projected[:, 2], (0.01, 0.99)).tolist()
+    canvas = Image.new("RGB", (panel.width, panel.height), BACKGROUND)
+    if pairs:
+        _draw_stray(canvas, panel, scene.stray)
+    for is_front in (False, True):
+        here = (side >= 0) == is_front
+        if is_front:
+            _draw_plane(canvas, panel, scene.quad)
+        discs, covered = shaded_discs(
+            projected[here],
+            colours[here],
+            radius,
+            size=scene.size * panel.scale,
+            depths=(far, near),
+            height=panel.height,
+            width=panel.width,
+        )
+        canvas.paste(Image.fromarray(discs), mask=Image.fromarray(covered))
+        if pairs:
+            _draw_pairs(canvas, panel, scene, facing if is_front else -facing)
+    return canvas
+
+
+def _draw_stray(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 3"]) -> None:
+    """Small faint dots behind everything."""
+    brush = ImageDraw.Draw(canvas)
+    for x, y in panel.pixels(points):
+        brush.circle((x, y), SUPERSAMPLING, fill=scenes.STRAY)
+
+
+def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
+    """Discs that just close the surface of a cloud that fills about half of its box."""
+    low, high = scenes.reach(projected[:, :2])
+    spacing = np.sqrt(np.prod(high - low) / len(projected))
+    return int(np.clip(round(0.9 * spacing), SUPERSAMPLING, 0.009 * panel.height))
+
+
+def _draw_plane(canvas: Image.Image, panel: Panel, quad: Float[np.ndarray, "4 3"]) -> None:
+    """The quad, translucent, with a firm edge."""
+    brush = ImageDraw.Draw(canvas, "RGBA")
+    corners = panel.pixels(quad)
+    brush.polygon(corners, fill=(*scenes.PLANE, round(255 * PLANE_OPACITY)))
+    brush.line([*corners, corners[0]], fill=(*scenes.PLANE, 235), width=2 * SUPERSAMPLING, joint="curve")
+
+
+def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: float) -> None:
+    """The parts of the pairs' segments, and their ends, on one side of the plane; the weightiest last."""
+    brush = ImageDraw.Draw(canvas, "RGBA")
+    ends = np.stack([scene.x, scene.y])
+    heights = sign * np.stack([scene.plane.signed_distance(end) for end in ends])
+    for i in np.argsort(scene.weight, kind="stable"):
+        colour, opacity = _pair_paint(float(scene.weight[i]))
+        above = heights[:, i] >= 0
+        if not above.any():
+            continue
+        segment = ends[:, i].copy()
+        if not above.all():
+            share = heights[0, i] / (heights[0, i] - heights[1, i])
+            segment[int(above[0])] = ends[0, i] + share * (ends[1, i] - ends[0, i])
+        brush.line(panel.pixels(segment), fill=(*colour, opacity), width=SUPERSAMPLING * (2 if opacity > 128 else 1))
+        dot = 2.1 * SUPERSAMPLING
+        for column, row in panel.pixels(ends[above, i]):
+            brush.ellipse((column - dot, row - dot, column + dot, row + dot), fill=(*colour, min(255, opacity + 60)))
+
+
+def _pair_paint(weight: float) -> tuple[scenes.Rgb, int]:
+    """Colour and opacity (0 to 255) of a pair: grey and faint at weight 0, red and firm at 1."""
+    red, green, blue = (
+        round(rejected + weight * (kept - rejected))
+        for rejected, kept in zip(scenes.REJECTED, scenes.PAIR, strict=True)
+    )
+    return (red, green, blue), round(70 + 150 * weight)
+
+
+@lru_cache(maxsize=8)
+def _font(pixels: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size=max(pixels, 8))
+
+
+def _write_text(
+    brush: ImageDraw.ImageDraw, headline: tuple[str, str], scene: scenes.Scene, size: tuple[int, int], unit: float
+) -> None:
+    """The headline above both panels, and under each a legend."""
+    width, height = size
+    margin = round(28 * unit)
+    equation, verdict = headline
+    brush.text((margin, 20 * unit), equation, fill=scenes.INK, font=_font(round(30 * unit)))
+    brush.text((margin, 62 * unit), verdict, fill=scenes.FAINT_INK, font=_font(round(20 * unit)))
+    legends = (
+        [(scenes.CLOUD, "cloud"), (scenes.PLANE, "mirror plane")]
+        + ([(scenes.PAIR, "matched pairs"), (scenes.REJECTED, "rejected")] if len(scene.weight) else [])
+        + ([(scenes.STRAY, "left out")] if len(scene.stray) else []),
+        [(scenes.CLOUD, "cloud"), (scenes.MIRRORED, "its mirror image")],
+    )
+    font = _font(round(18 * unit))
+    middle, dot = height - 26 * unit, 6 * unit
+    for start, legend in zip((margin, width // 2 + margin), legends, strict=True):
+        column = float(start)
+        for colour, label in legend:
+            brush.rectangle((column, middle - dot, column + 2 * dot, middle + dot), fill=colour)
+            column += 20 * unit
+            brush.text((column, middle), label, fill=scenes.FAINT_INK, font=font, anchor="lm")
+            column += brush.textlength(label, font=font) + 26 * unit

@@ -1,0 +1,116 @@
+"""Corruptions and the one-sided scanner: counts, what is kept, where it is, seeds."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from symjax.datasets import add_noise, add_outliers, corrupt, remove_part, scan
+from symjax.errors import InvalidArgumentError, TooFewPointsError
+
+
+@pytest.fixture
+def ball(rng):
+    p = rng.normal(size=(2000, 3))
+    return p / np.linalg.norm(p, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.2, 1.0, 3.0])
+def test_outliers_follow_the_points_and_fill_the_box(ball, alpha):
+    stretched = ball * [1, 2, 3] + [5, 0, -7]
+    points = add_outliers(stretched, alpha, 0)
+    assert len(points) == 2000 + int(alpha * 2000)
+    np.testing.assert_array_equal(points[:2000], stretched)
+    outliers = points[2000:]
+    low, high = stretched.min(axis=0), stretched.max(axis=0)
+    for k in range(3) if alpha else ():
+        assert kstest(outliers[:, k], "uniform", (low[k], high[k] - low[k])).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("gamma", [0.0, 0.15, 0.4])
+def test_the_part_removed_is_a_ball_around_one_of_the_points(ball, gamma):
+    points, kept = remove_part(ball, gamma, 5)
+    assert len(points) == 2000 - int(gamma * 2000)
+    np.testing.assert_array_equal(points, ball[kept])
+    assert np.all(np.diff(kept) > 0)
+    gone = np.setdiff1d(np.arange(2000), kept)
+    if gamma:
+        centre = ball[gone].mean(axis=0)
+        centre /= np.linalg.norm(centre)
+        # a cap of a sphere of share γ reaches 1 - 2γ below the pole
+        assert np.quantile(ball[gone] @ centre, 0.02) > 1 - 2 * gamma - 0.1
+        assert (points @ centre).max() < 1 - 2 * gamma + 0.1
+
+
+def test_noise_has_the_level_it_says(ball):
+    diagonal = np.linalg.norm(np.ptp(ball, axis=0))
+    moved = add_noise(ball, 0.01, 1) - ball
+    assert kstest(moved.ravel() / (0.01 * diagonal), "norm").pvalue > 1e-3
+    np.testing.assert_allclose(add_noise(ball, 0.01, 1, diagonal=2 * diagonal) - ball, 2 * moved, atol=1e-12)
+
+
+def test_a_scanner_sees_the_near_cap_of_a_sphere(ball):
+    viewpoint = np.array([0.0, 0.0, 4.0])
+    points, seen = scan(ball, viewpoint=viewpoint)
+    np.testing.assert_array_equal(points, ball[seen])
+    horizon = 1 / 4  # the tangent cone touches the sphere at z = radius² / distance
+    # hidden points just behind the horizon pass, and those of the far side do not
+    assert np.mean(points[:, 2] > horizon - 0.1) > 0.93
+    assert points[:, 2].min() > -0.75
+    visible = np.flatnonzero(ball[:, 2] > horizon + 0.1)
+    assert np.isin(visible, seen).mean() > 0.98
+
+
+def test_what_is_behind_a_wall_is_hidden(rng):
+    wall = np.column_stack([rng.uniform(-1, 1, (3000, 2)), np.zeros(3000)])
+    behind = np.column_stack([rng.uniform(-0.4, 0.4, (300, 2)), np.full(300, -1.0)])
+    _, seen = scan(np.vstack([wall, behind]), viewpoint=np.array([0.0, 0.0, 6.0]))
+    assert np.count_nonzero(seen < 3000) > 2700
+    assert np.count_nonzero(seen >= 3000) < 10
+
+
+def test_a_random_viewpoint_moves_with_the_seed_and_the_scan_with_the_cloud(ball):
+    first, other = scan(ball, 0)[1], scan(ball, 1)[1]
+    assert 0.25 < len(first) / 2000 < 0.6
+    assert len(np.setdiff1d(first, other)) > 50
+    np.testing.assert_array_equal(scan(10 * ball + 3, 0)[1], first)
+
+
+def test_corrupt_goes_in_the_order_of_the_protocol(ball):
+    result = corrupt(ball, 7, outliers=0.5, missing=0.28, noise=0.002, one_sided=True)
+    from_cloud = result.source >= 0
+    seen = np.count_nonzero(from_cloud)
+    assert np.count_nonzero(~from_cloud) == int(0.5 * seen)
+    assert len(np.unique(result.source[from_cloud])) == seen
+    whole = corrupt(ball, 7, one_sided=True).source
+    assert seen == len(whole) - int(0.28 * len(whole))
+    assert np.isin(result.source[from_cloud], whole).all()
+    shift = np.linalg.norm(result.points[from_cloud] - ball[result.source[from_cloud]], axis=1)
+    level = 0.002 * np.linalg.norm(np.ptp(ball, axis=0))  # of the whole cloud, though less than half is left
+    assert 0.9 < shift.std() / (level * np.sqrt(3 - 8 / np.pi)) < 1.1
+    assert not np.all(np.diff(result.source[from_cloud]) > 0)
+
+
+def test_nothing_asked_is_a_shuffle(ball):
+    result = corrupt(ball, 3)
+    np.testing.assert_array_equal(result.points, ball[result.source])
+    assert len(np.unique(result.source)) == 2000
+
+
+def test_same_seed_same_corruption(ball):
+    asked = {"outliers": 0.3, "missing": 0.1, "noise": 0.01, "one_sided": True}
+    first, again, other = (corrupt(ball, seed, **asked) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.points, again.points)
+    assert first.points.shape != other.points.shape or not np.allclose(first.points, other.points)
+
+
+def test_bad_requests_are_named(ball):
+    with pytest.raises(InvalidArgumentError, match="alpha"):
+        add_outliers(ball, -0.1)
+    with pytest.raises(InvalidArgumentError, match="gamma"):
+        remove_part(ball, 1.0)
+    with pytest.raises(InvalidArgumentError, match="noise level"):
+        add_noise(ball, -1.0)
+    with pytest.raises(TooFewPointsError, match="got 3"):
+        scan(ball[:3])
+    with pytest.raises(InvalidArgumentError, match="point 17"):
+        scan(ball, viewpoint=ball[17])

@@ -1,0 +1,125 @@
+"""Quadric patches recover quadrics, leave cubic terms, and know the noise."""
+
+import numpy as np
+import pytest
+
+from symjax.datasets.sample import random_orthogonal
+from symjax.robust.quadrics import CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS, heights, patches
+from symjax.robust.surface import surface
+
+
+def quadric(rng, coefficients, count=800, size=1.0):
+    """Points of z = c₃x² + c₄xy + c₅y² about the origin, which is the first of them, with their exact normals."""
+    x, y = np.append(np.zeros((1, 2)), rng.uniform(-0.5, 0.5, size=(count - 1, 2)) * size, axis=0).T
+    c3, c4, c5 = coefficients
+    points = np.stack([x, y, c3 * x * x + c4 * x * y + c5 * y * y], axis=1)
+    normals = np.stack([-2 * c3 * x - c4 * y, -c4 * x - 2 * c5 * y, np.ones_like(x)], axis=1)
+    return points, normals
+
+
+def waves(x, y):
+    return 0.3 * np.sin(2 * x + 1) * np.cos(1.5 * y) + 0.2 * x * y
+
+
+def bending(around, row):
+    """Half the second fundamental form of a patch as a tensor of space."""
+    c = around.coefficients[row]
+    u, w, _ = around.axes[row]
+    return c[3] * np.outer(u, u) + 0.5 * c[4] * (np.outer(u, w) + np.outer(w, u)) + c[5] * np.outer(w, w)
+
+
+@pytest.mark.parametrize("planted", [(0.5, 0.0, 0.5), (0.8, 0.0, -0.8), (0.3, 0.6, -0.2), (0.0, 0.0, 0.0)])
+def test_a_planted_quadric_is_recovered(rng, planted):
+    points, normals = quadric(rng, planted)
+    around = patches(surface(points, normals=normals))
+    expected = np.zeros((3, 3))
+    expected[:2, :2] = [[planted[0], planted[1] / 2], [planted[1] / 2, planted[2]]]
+    np.testing.assert_allclose(np.sign(around.axes[0, 2, 2]) * bending(around, 0), expected, atol=2e-3)
+    np.testing.assert_allclose(around.coefficients[0, :3], 0, atol=1e-4)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 200.0])
+def test_the_patch_turns_and_grows_with_the_surface(rng, scale):
+    points, normals = quadric(rng, (0.3, 0.6, -0.2))
+    turn = random_orthogonal(rng)
+    one = patches(surface(points, normals=normals))
+    other = patches(surface(scale * points @ turn.T + scale, normals=normals @ turn.T))
+    # the same geometry: curvatures shrink as lengths grow
+    np.testing.assert_allclose(scale * bending(other, 0), turn @ bending(one, 0) @ turn.T, atol=3e-4)
+    assert other.scatter == pytest.approx(scale * one.scatter, rel=1e-3)
+    np.testing.assert_allclose(other.reach, scale * one.reach, rtol=1e-9)
+
+
+def test_axes_are_a_frame_whose_third_is_the_normal(rng):
+    points, normals = quadric(rng, (0.3, 0.6, -0.2), 200)
+    found = surface(points, normals=normals)
+    axes = patches(found).axes
+    np.testing.assert_allclose(axes @ axes.transpose(0, 2, 1), np.tile(np.eye(3), (200, 1, 1)), atol=1e-12)
+    np.testing.assert_array_equal(axes[:, 2], found.normals)
+
+
+def error_between_points(rng, count):
+    """Median height of other points of a surface above their nearest neighbours' patches, away from its border."""
+    xy = rng.uniform(-1, 1, size=(count, 2))
+    found = surface(np.c_[xy, waves(*xy.T)])
+    fresh = rng.uniform(-0.7, 0.7, size=(2_000, 2))
+    fresh = np.c_[fresh, waves(*fresh.T)]
+    return np.median(np.abs(heights(fresh, patches(found), found.tree.query(fresh)[1]))), found.spacing
+
+
+def test_the_error_goes_with_the_cube_of_the_spacing(rng):
+    coarse, fine = error_between_points(rng, 1_000), error_between_points(rng, 9_000)
+    order = np.log(coarse[0] / fine[0]) / np.log(coarse[1] / fine[1])
+    assert 2.5 < order < 4.0
+    # and is far below the spacing
+    assert coarse[0] < 0.01 * coarse[1]
+
+
+def test_heights_are_signed_distances_along_the_normal(rng):
+    points, normals = quadric(rng, (0.3, 0.6, -0.2))
+    found = surface(points, normals=normals)
+    around = patches(found)
+    rows = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < 0.4)
+    for lift in (-0.01, 0.02):
+        np.testing.assert_allclose(heights(points[rows] + lift * found.normals[rows], around, rows), lift, atol=2e-4)
+
+
+def test_scatter_goes_with_the_noise(rng):
+    xy, error = rng.uniform(-1, 1, size=(3_000, 2)), rng.normal(size=3_000)
+    levels = np.array([0.005, 0.01, 0.02])
+    ratio = [patches(surface(np.c_[xy, waves(*xy.T) + noise * error])).scatter / noise for noise in levels]
+    # less than the noise: six coefficients of a dozen points follow a part of it
+    assert np.sqrt(1 - 6 / 12) - 0.15 < min(ratio)
+    assert max(ratio) < 1
+    assert max(ratio) < 1.3 * min(ratio)
+
+
+def test_a_clean_surface_has_next_to_no_scatter(rng):
+    xy = rng.uniform(-1, 1, size=(3_000, 2))
+    found = surface(np.c_[xy, waves(*xy.T)])
+    assert patches(found).scatter < 0.01 * found.spacing
+
+
+def test_noisy_surfaces_get_larger_patches(rng):
+    xy = rng.uniform(-1, 1, size=(2_000, 2))
+    clean, noisy = (surface(np.c_[xy, level * rng.normal(size=2_000)]) for level in (0.0, 0.05))
+    assert (clean.noisy, noisy.noisy) == (False, True)
+    for found, count in ((clean, CLEAN_NEIGHBOURS), (noisy, NOISY_NEIGHBOURS)):
+        np.testing.assert_allclose(patches(found).reach, found.tree.query(found.points, k=count + 1)[0][:, -1])
+
+
+def test_outliers_hardly_pull_the_patches(rng):
+    points, _ = quadric(rng, (0.5, 0.0, 0.5))
+    stray = np.c_[rng.uniform(-0.5, 0.5, size=(80, 2)), rng.uniform(0.4, 1.5, 80)]
+    alone, together = patches(surface(points)), patches(surface(np.vstack([points, stray])))
+    inner = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < 0.35)
+    moved = heights(points[inner], together, inner) - heights(points[inner], alone, inner)
+    assert np.median(np.abs(moved)) < 1e-3
+
+
+def test_few_points_and_flat_ones_have_patches(rng):
+    flat = np.c_[rng.uniform(size=(12, 2)), np.zeros(12)]
+    around = patches(surface(flat))
+    assert np.isfinite(around.coefficients).all()
+    np.testing.assert_allclose(heights(flat, around, np.arange(12)), 0, atol=1e-9)
+    assert around.scatter < 1e-9

@@ -1,0 +1,246 @@
+"""The paper's road (method "sym-hks"): planted planes, equivariance, and input that has no plane."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import symjax
+from symjax.errors import (
+    ComponentsWarning,
+    DegenerateCloudError,
+    InvalidArgumentError,
+    InvalidPointsError,
+    NonfiniteError,
+    SymjaxError,
+    TooFewPointsError,
+)
+from symjax.geometry.local_frames import local_frames
+from symjax.geometry.plane import Plane
+from symjax.symhks.correspondences import SymHKS
+
+NORMAL = np.array([1.0, 0.0, 0.0])
+
+
+def detect(points, **options):
+    return symjax.detect(points, **({"method": "sym-hks"} | options))
+
+
+def creature(rng, num_points=3_000):
+    """A body with a head and two ears, symmetric about x = 0 and about nothing else; no point has its exact twin."""
+    parts = [((0, 0, 0), (0.5, 1.2, 0.6), 0.55), ((0, 1.3, 0.5), (0.4, 0.5, 0.4), 0.25)]
+    parts += [((side * 0.45, 1.4, 0.95), (0.15, 0.2, 0.45), 0.1) for side in (-1, 1)]
+    points = []
+    for centre, radii, share in parts:
+        on_sphere = rng.normal(size=(int(share * num_points), 3))
+        on_sphere /= np.linalg.norm(on_sphere, axis=1, keepdims=True)
+        points.append(np.array(centre) + np.array(radii) * on_sphere)
+    return np.concatenate(points)
+
+
+def rotation(rng):
+    return np.linalg.qr(rng.normal(size=(3, 3)))[0]
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    return creature(np.random.default_rng(5))
+
+
+@pytest.fixture(scope="module")
+def detection(cloud):
+    return detect(cloud)
+
+
+def test_the_planted_plane_is_found(detection):
+    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 3.0
+    assert abs(detection.plane.offset) < 0.01 * detection.diagonal
+    assert detection.found
+    assert detection.converged
+    assert detection.score > detection.threshold
+    assert detection.message.startswith("Converged")
+    assert list(detection.timings) == ["preparing", "spectrum", "keypoints", "matching", "fitting"]
+
+
+def test_the_evidence_is_consistent(detection, cloud):
+    pairs = detection.pairs
+    np.testing.assert_array_equal(pairs.x, cloud[pairs.rows[:, 0]])
+    np.testing.assert_array_equal(pairs.y, cloud[pairs.rows[:, 1]])
+    residual = np.linalg.norm(detection.mirror(pairs.x) - pairs.y, axis=1) / (detection.sigma * detection.diagonal)
+    np.testing.assert_allclose(pairs.weight, np.exp(-0.5 * residual**2), atol=1e-9)
+    assert pairs.weight.mean() == pytest.approx(detection.score)
+    assert detection.inlier_fraction == pytest.approx((residual < 2.7955).mean())
+    assert detection.candidates[0].plane is detection.plane
+    scores = [candidate.score for candidate in detection.candidates]
+    assert scores == sorted(scores, reverse=True)
+    largest = np.argmax(np.abs(detection.plane.normal))
+    assert detection.plane.normal[largest] > 0
+
+
+def test_candidates_are_distinct(detection):
+    for i, first in enumerate(detection.candidates):
+        for second in detection.candidates[:i]:
+            apart = first.plane.angle(second.plane)
+            sign = np.sign(first.plane.normal @ second.plane.normal)
+            shifted = abs(first.plane.offset - sign * second.plane.offset) / detection.diagonal
+            assert apart >= 5.0 or shifted >= 0.02
+
+
+@pytest.mark.parametrize("change", ["rotation", "reflection", "permutation", "shift", "small", "large", "far"])
+def test_the_plane_moves_with_the_cloud(cloud, detection, change, rng):
+    turn, shift, scale, order = np.eye(3), np.zeros(3), 1.0, np.arange(len(cloud))
+    if change == "rotation":
+        turn = rotation(rng)
+        turn *= np.sign(np.linalg.det(turn))
+    elif change == "reflection":
+        turn = rotation(rng)
+        turn *= -np.sign(np.linalg.det(turn))
+    elif change == "permutation":
+        order = rng.permutation(len(cloud))
+    elif change == "shift":
+        shift = rng.normal(size=3) * 1e6
+    elif change == "far":
+        shift = rng.normal(size=3) * 1e8
+    else:
+        scale = {"small": 1e-12, "large": 1e12}[change]
+    moved = detect((scale * cloud @ turn.T + shift)[order])
+    normal = turn @ detection.plane.normal
+    assert moved.plane.angle(Plane(normal, 0.0)) < 0.1
+    # a point of the plane, moved along: the offset itself is ill-conditioned far from the origin
+    foot = scale * detection.plane.offset * normal + shift
+    assert abs(moved.plane.signed_distance(foot[None])[0]) < 1e-3 * moved.diagonal
+
+
+def test_repeated_runs_agree_bit_for_bit(cloud, detection):
+    again = detect(cloud)
+    np.testing.assert_array_equal(again.plane.normal, detection.plane.normal)
+    assert (again.plane.offset, again.threshold) == (detection.plane.offset, detection.threshold)
+
+
+def test_both_solvers_reach_the_same_plane(cloud, detection):
+    alternating = detect(cloud, solver="alternating", restarts=8)
+    assert alternating.plane.angle(detection.plane) < 1e-3
+
+
+def test_the_papers_own_settings_run(cloud):
+    printed = SymHKS(times="uniform", whitened=False, num_keypoints=200, separation=0.0)
+    assert detect(cloud, options=printed).num_used == len(cloud)
+
+
+def test_the_sign_constraint_can_be_left_out(cloud):
+    free = detect(cloud, options=SymHKS(num_signs=0, num_keypoints=200)).pairs
+    apart = np.linalg.norm(free.x - free.y, axis=1)
+    assert len(free.rows) >= 3
+    assert apart.min() > 0
+
+
+def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
+    with pytest.raises(InvalidPointsError, match="3 normals"):
+        detect(cloud, normals=np.concatenate([np.zeros((3, 3)), np.ones((len(cloud) - 3, 3))]))
+    with pytest.raises(InvalidPointsError, match="shape"):
+        detect(cloud, normals=np.ones((5, 3)))
+    estimated = local_frames(cloud, cKDTree(cloud).query(cloud, k=20)[1])[1][:, :, 0]
+    assert detect(cloud, normals=-2.0 * estimated).plane.angle(detection.plane) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"method": "magic"}, InvalidArgumentError, "sym-hks"),
+        ({"sigma": 0.0}, InvalidArgumentError, "sigma"),
+        ({"sigma": -1.0}, InvalidArgumentError, "sigma"),
+        ({"sigma": float("nan")}, InvalidArgumentError, "sigma"),
+        ({"restarts": 0}, InvalidArgumentError, "restarts"),
+        ({"solver": "magic"}, InvalidArgumentError, "solver"),
+        ({"nonfinite": "ignore"}, InvalidArgumentError, "nonfinite"),
+        ({"max_points": 10}, InvalidArgumentError, "max_points"),
+        ({"options": SymHKS(num_eigs=10**6)}, InvalidArgumentError, "num_eigs"),
+        ({"options": SymHKS(num_eigs=1)}, InvalidArgumentError, "num_eigs"),
+        ({"options": SymHKS(num_pairs=1)}, InvalidArgumentError, "num_pairs"),
+        ({"options": SymHKS(separation=-1.0)}, InvalidArgumentError, "separation"),
+        ({"options": SymHKS(radius=0.0)}, InvalidArgumentError, "radius"),
+        ({"options": SymHKS(times="linear")}, InvalidArgumentError, "linear"),
+    ],
+)
+def test_bad_options_are_refused(cloud, change, error, words):
+    with pytest.raises(error, match=words):
+        detect(cloud, **change)
+
+
+@pytest.mark.parametrize(
+    ("points", "error"),
+    [
+        (np.zeros((0, 3)), TooFewPointsError),
+        (np.random.default_rng(0).normal(size=(20, 3)), TooFewPointsError),
+        (np.ones((3, 500)), InvalidPointsError),
+        (np.full((100, 3), np.nan), NonfiniteError),
+        (np.ones((100, 3)), DegenerateCloudError),
+        (np.outer(np.arange(100.0), np.ones(3)), DegenerateCloudError),
+    ],
+)
+@pytest.mark.parametrize("method", ["robust", "sym-hks"])
+def test_bad_points_are_refused(points, error, method):
+    with pytest.raises(error) as caught:
+        detect(points, method=method)
+    assert isinstance(caught.value, SymjaxError)
+
+
+def test_dropped_rows_keep_the_original_indices(cloud):
+    holed = cloud.copy()
+    holed[:10] = np.nan
+    detection = detect(holed, nonfinite="drop")
+    np.testing.assert_array_equal(detection.pairs.x, holed[detection.pairs.rows[:, 0]])
+    assert detection.pairs.rows.min() >= 10
+    assert np.isfinite(detection.complete()).all()
+    assert "10 of" in detection.notes[0]
+
+
+def test_a_coplanar_cloud_gets_a_plane_across_it(rng):
+    outline = rng.uniform(-1, 1, size=(6_000, 2))
+    wide = np.abs(outline[:, 0]) < 0.2 + 0.25 * (1 + outline[:, 1]) ** 2 * (outline[:, 1] < 0.7)
+    flat = np.c_[outline[wide], np.zeros(wide.sum())]
+    detection = detect(flat)
+    assert abs(detection.plane.normal[2]) < 1e-6
+    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 5.0
+    assert any("coplanar" in note for note in detection.notes)
+
+
+def test_a_cloud_in_pieces_is_said_to_be(cloud):
+    with pytest.warns(ComponentsWarning, match="2 pieces"):
+        detection = detect(np.concatenate([cloud, cloud[::3] + [0.0, 20.0, 0.0]]))
+    assert any("2 pieces" in note for note in detection.notes)
+
+
+def test_an_asymmetric_cloud_has_no_plane():
+    tree = symjax.datasets.generate("tree", num_points=3_000, rng=0)
+    assert not detect(tree.points).found
+
+
+def test_a_large_cloud_is_thinned_and_said_to_be(rng):
+    detection = detect(creature(rng, 40_000))
+    assert detection.num_points > 39_000
+    assert detection.num_used <= 10_000
+    assert any("thinned" in note for note in detection.notes)
+    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 3.0
+
+
+def test_a_small_cloud_gets_a_plane(rng):
+    detection = detect(creature(rng, 300))
+    assert len(detection.pairs.rows) >= 3
+    assert 0 < detection.sigma < 0.2
+
+
+def test_a_point_far_away_is_no_disaster(cloud):
+    with pytest.warns(ComponentsWarning):
+        detection = detect(np.concatenate([cloud, [[1e6, 0.0, 0.0]]]))
+    assert len(detection.pairs.rows) >= 3
+
+
+def test_the_global_flags_stay_as_they_were(cloud):
+    import jax
+
+    jax.config.update("jax_enable_x64", False)
+    try:
+        assert detect(cloud).plane.normal.dtype == np.float64
+        assert not jax.config.jax_enable_x64
+    finally:
+        jax.config.update("jax_enable_x64", True)
