@@ -12,7 +12,8 @@ from symjax.errors import SymjaxError, SymjaxWarning
 if TYPE_CHECKING:
     from symjax import datasets
     from symjax.detection.detect import detect
-    from symjax.detection.result import Detection, load
+    from symjax.detection.loading import load
+    from symjax.detection.result import Detection
     from symjax.geometry import distance as metrics
     from symjax.geometry.plane import Plane
     from symjax.io.points import read_points
@@ -22,23 +23,29 @@ if TYPE_CHECKING:
     from symjax.l2e.objective import l2e_loss
     from symjax.l2e.standard_errors import StandardErrors, standard_errors
     from symjax.l2e.sweep import sweep, sweep_clouds
-    from symjax.symhks.correspondences import SymHKS
+    from symjax.method.protocol import Method
+    from symjax.method.result import MethodResult
+    from symjax.robust.method import Robust
+    from symjax.symhks.method import SymHKS
 
 __version__ = "0.1.0"
 
 _HOME = {
     "Detection": "symjax.detection.result",
     "Fit": "symjax.l2e.fit",
+    "Method": "symjax.method.protocol",
+    "MethodResult": "symjax.method.result",
     "Plane": "symjax.geometry.plane",
+    "Robust": "symjax.robust.method",
     "StandardErrors": "symjax.l2e.standard_errors",
-    "SymHKS": "symjax.symhks.correspondences",
+    "SymHKS": "symjax.symhks.method",
     "best": "symjax.l2e.fit",
     "detect": "symjax.detection.detect",
     "enable_compilation_cache": "symjax.l2e.compilation_cache",
     "fit_global": "symjax.l2e.fit_plane",
     "fit_plane": "symjax.l2e.fit_plane",
     "l2e_loss": "symjax.l2e.objective",
-    "load": "symjax.detection.result",
+    "load": "symjax.detection.loading",
     "read_points": "symjax.io.points",
     "standard_errors": "symjax.l2e.standard_errors",
     "sweep": "symjax.l2e.sweep",
@@ -49,7 +56,10 @@ _MODULES = {"datasets": "symjax.datasets", "metrics": "symjax.geometry.distance"
 __all__ = [
     "Detection",
     "Fit",
+    "Method",
+    "MethodResult",
     "Plane",
+    "Robust",
     "StandardErrors",
     "SymHKS",
     "SymjaxError",

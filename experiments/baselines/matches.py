@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from experiments.baselines.ranking import Frame, framed
 from symjax.preprocess.cloud import prepare
-from symjax.symhks.correspondences import sym_hks
+from symjax.symhks.correspondences import correspondences
 
 
 class Matches(NamedTuple):
@@ -35,8 +35,8 @@ def matches(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, drop_
     Raises:
         SymjaxError: there is no surface to take pairs from; the subclass says why.
     """
-    cloud = prepare(points, drop_scattered=drop_outliers)
+    cloud = prepare(points, drop_outliers=drop_outliers)
     used = points[cloud.rows]
     frame = framed(used, rng, most=len(used))
-    x, y = frame.points[sym_hks(cloud.points).rows.T]
+    x, y = frame.points[correspondences(cloud.points).rows.T]
     return Matches(frame, x, y)

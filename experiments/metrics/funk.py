@@ -18,7 +18,7 @@ from experiments.metrics import matching
 from experiments.metrics.answered import Answered
 from experiments.metrics.patch import Patches, bounding
 from experiments.metrics.tally import Tally, pooled
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 
 LARGEST_ANGLE = 45.0
 """Degrees up to which t_a is swept."""

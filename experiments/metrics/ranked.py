@@ -12,7 +12,8 @@ from jaxtyping import Bool, Float
 
 from experiments.metrics import matching
 from experiments.metrics.answered import Answered
-from symjax.geometry.distance import deviation_angle, offset_error
+from symjax.geometry.directions import deviation_angle
+from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
 
 WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.01

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from symjax.detection.result import Detection
-    from symjax.geometry.distance import AnyArray
+    from symjax.geometry.arrays import AnyArray
 
 
 def lines(detection: "Detection") -> Iterator[str]:
@@ -18,26 +18,32 @@ def lines(detection: "Detection") -> Iterator[str]:
     if uncertainty is not None:
         precision = f"{uncertainty.normal_degrees:.2g} degrees, {uncertainty.offset:.2g} units"
         yield _line("precision", f"{precision}   (standard errors)")
-    verdict, relation = ("yes", "above") if detection.found else ("no", "not above")
-    if not detection.found and detection.score > detection.threshold:
-        relation = "above"
-    yield _line(
-        "found", f"{verdict}   (score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f})"
-    )
+    yield _line("found", f"{'yes' if detection.found else 'no'}   ({_comparison(detection)})")
     if detection.found:
         yield _line("symmetry", _kind(detection))
     for rank, plane in enumerate(detection.planes[1:], 2):
         yield _line(f"plane {rank}", f"{_components(plane.normal)}   offset {float(plane.offset):+.6g}")
     if detection.exactness is not None:
         yield _line("exactness", f"{detection.exactness:.3f}   (0.5 to 1: exact, near 0: rough)")
-    yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")
+    if detection.inlier_fraction is not None:
+        yield _line("inliers", f"{detection.inlier_fraction:.1%} of {len(detection.pairs.weight)} pairs")
     yield _line("converged", f"{'yes' if detection.converged else 'no'}   ({detection.message})")
-    yield _line("sigma", f"{detection.sigma:g} of the diagonal, {detection.sigma * detection.diagonal:.4g} in units")
+    if detection.sigma is not None:
+        in_units = detection.sigma * detection.diagonal
+        yield _line("sigma", f"{detection.sigma:g} of the diagonal, {in_units:.4g} in units")
     yield _line("points", f"{detection.num_points} given, {detection.num_used} used")
     for note in detection.notes:
         yield _line("note", note)
     stages = "   ".join(f"{stage} {seconds:.2f}" for stage, seconds in detection.timings.items())
     yield _line("seconds", f"{sum(detection.timings.values()):.2f}   ({stages})")
+
+
+def _comparison(detection: "Detection") -> str:
+    """The score beside its threshold."""
+    if detection.threshold is None:
+        return f"score {detection.score:.3f}"
+    relation = "above" if detection.score > detection.threshold else "not above"
+    return f"score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f}"
 
 
 def _kind(detection: "Detection") -> str:

@@ -4,7 +4,8 @@ from typing import Any, NamedTuple
 
 from jaxtyping import Float
 
-from symjax.geometry.distance import AnyArray, deviation_angle
+from symjax.geometry.arrays import AnyArray
+from symjax.geometry.directions import deviation_angle
 
 
 class Plane(NamedTuple):

@@ -1,1 +1,1 @@
-"""symjax/method."""
+"""What a method is, and what it answers: the Protocol that `detect` calls, `MethodResult`, and the stage timer."""

@@ -1,5 +1,6 @@
-"""What a method finds, in the frame and the units of the cloud: the answer before it is put in those of the points."""
+"""What a method finds, in the frame and the units of the cloud: `detect` brings it into those of the given points."""
 
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -10,11 +11,7 @@ from symjax.geometry.uncertainty import Uncertainty
 
 Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
 Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
-
-
-CHANCE, EXACT_SHARE = 0.4, 0.4
-"""Exactness that rough symmetries reach by chance, by a few exact parts: below it says nothing. Weight, beside the
-score, of what is above."""
+"""A point and a direction."""
 
 
 class Candidate(NamedTuple):
@@ -22,52 +19,52 @@ class Candidate(NamedTuple):
 
     Attributes:
         plane: the plane.
-        score: how well the cloud agrees with it, 0 to 1; what that is, the method says.
-        exactness: how exactly, 0 to 1; None where the method does not tell it, as `robust` does not of planes far
-            behind the best, whose score is that of a thousand points.
+        score: how well the cloud agrees with it; the method says on which scale. 0 to 1 for symjax's own methods.
+        ranking_score: what candidates are ranked by: the score, or the score with what the method adds to it.
+        exactness: how exactly, 0 to 1; None where the method does not compute it, as `Robust` does not for planes far
+            behind the best.
     """
 
     plane: Plane
     score: float
+    ranking_score: float
     exactness: float | None = None
 
-    @property
-    def merit(self) -> float:
-        """What candidates are ranked by: agreement, and a share of exact agreement, which noise cannot blur."""
-        return self.score + EXACT_SHARE * max((self.exactness or 0.0) - CHANCE, 0.0)
 
-
-class Finding(NamedTuple):
-    """What a method finds in a cloud.
+@dataclass(frozen=True, eq=False)
+class MethodResult:
+    """What a method finds in a cloud. Only what a method can say needs to be given.
 
     Attributes:
-        candidates: distinct planes, the best first.
-        threshold: the score that a mirror plane exceeds.
-        symmetry: what the planes that exceed it make up.
-        ambiguous: whether others are as good as the first.
-        axis: point and direction of the axis of a continuous symmetry.
+        candidates: distinct planes, the best first; at least one.
         planes: the mirror planes among the candidates, the best first; of a continuous symmetry, some of them.
+        symmetry: what the mirror planes make up; "none" if there is none.
+        threshold: the score that a mirror plane exceeds; None for a method that has none.
+        ambiguous: whether other planes are as good as the first.
+        axis: point and direction of the axis of a continuous symmetry.
         rows: rows of the two points of every pair in the cloud.
         weight: how well each pair agrees with the first plane, 0 to 1.
-        inlier_fraction: share of the pairs that agree with it.
-        sigma: scale of the residual, in diagonals.
+        inlier_weight: weight from which a pair counts as an inlier.
+        inlier_fraction: share of the pairs that are inliers; None for a method without pairs.
+        sigma: scale σ of the residual, in diagonals; None for a method without one.
         converged: whether the solver converged.
-        message: how it ended, a sentence.
-        uncertainty: of the first plane, if the method tells it.
+        message: how it ended, as a sentence.
+        uncertainty: of the first plane, if the method estimates it.
         notes: what was found, as sentences.
     """
 
     candidates: tuple[Candidate, ...]
-    threshold: float
-    symmetry: Symmetry
-    ambiguous: bool
-    axis: Axis | None
     planes: tuple[Plane, ...]
-    rows: Int[np.ndarray, "m 2"]
-    weight: Float[np.ndarray, "m"]
-    inlier_fraction: float
-    sigma: float
-    converged: bool
-    message: str
-    uncertainty: Uncertainty | None
-    notes: tuple[str, ...]
+    symmetry: Symmetry
+    threshold: float | None = None
+    ambiguous: bool = False
+    axis: Axis | None = None
+    rows: Int[np.ndarray, "m 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=int))
+    weight: Float[np.ndarray, "m"] = field(default_factory=lambda: np.empty(0))
+    inlier_weight: float = 0.5
+    inlier_fraction: float | None = None
+    sigma: float | None = None
+    converged: bool = True
+    message: str = ""
+    uncertainty: Uncertainty | None = None
+    notes: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""The floor under a scanned object: a dominant plane that the cloud stands on, and that hides the object's own mirror.
+"""The ground plane under a scanned object: the cloud stands on it, and it hides the object's own mirror.
 
 It is found as a large flat sheet (RANSAC over planes, each from one point and its local normal) that has all the rest
 on one side and reaches further than the rest: the side of a box, a seat or a sole ends where the object ends.
@@ -11,10 +11,10 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
 MIN_POINTS = 50
-"""Fewest points of a cloud with a floor, and of what the sample leaves above it: fewer show no object."""
+"""Fewest points of a cloud with a ground plane, and of what the sample leaves above it: fewer show no object."""
 
 SAMPLE = 2500
-"""Points that find and judge a floor: a sample's neighbourhoods are wide enough to see a normal through the noise."""
+"""Points that find and judge a ground plane: their neighbourhoods are wide enough to see a normal through noise."""
 
 NUM_NEIGHBOURS = 16
 """Neighbours that make a local normal."""
@@ -23,10 +23,10 @@ NUM_HYPOTHESES = 150
 """Planes tried: all of them miss a sheet of a tenth of the points once in 1e7 clouds."""
 
 NUM_SHEETS = 3
-"""Largest sheets judged: a table top may be larger than what is seen of the floor around its legs."""
+"""Largest sheets judged: a table top may be larger than what is seen of the ground plane around its legs."""
 
 MIN_SHARE = 0.1
-"""Least share of the cloud in a floor; the flattest tenth of the cloud thus tells how thick a sheet may be."""
+"""Least share of the cloud in a ground plane; the flattest tenth of the cloud thus tells how thick a sheet may be."""
 
 ALIKE = 0.9
 """Cosine of the angle (26 degrees) within which a noisy local normal agrees with a plane's."""
@@ -35,20 +35,20 @@ AGREE = 0.3
 """Share of a point's neighbours in a sheet where the local normal agrees: through a wall, a thin sheet cuts fewer."""
 
 MIN_WIDTH = 6
-"""Least width of a floor in thicknesses: a slice of scatter, or a part of a sparse cloud, is as thick as wide."""
+"""Least width of a ground plane in thicknesses: a slice of scatter, or part of a sparse cloud, is as thick as wide."""
 
 MAX_BELOW = 0.1
-"""Largest share of the rest on the far side of a floor, where dense spots of scatter may pass for surface."""
+"""Largest share of the rest on the far side of a ground plane, where dense spots of scatter may pass for surface."""
 
 MARGIN = 0.05
-"""Of the object's width: only beyond this does a floor reach further, as an object's rim may be rounded."""
+"""Of the object's width: only beyond this does a ground plane reach further, as an object's rim may be rounded."""
 
 MIN_DIRECTIONS = 0.6
-"""Share of the directions in which a floor reaches further: one that was seen on one side only does so in most."""
+"""Share of the directions in which a ground plane reaches further: one seen on one side only does so in most."""
 
 
-class Floor(NamedTuple):
-    """Which points lie on the floor `normal . x = offset`, in the given units; the normal points to the object."""
+class Ground(NamedTuple):
+    """The points on the ground plane `normal . x = offset`, in the given units; the normal points to the object."""
 
     rows: Bool[np.ndarray, "n"]
     normal: Float[np.ndarray, "3"]
@@ -76,10 +76,10 @@ class _Sheet(NamedTuple):
     rows: Bool[np.ndarray, "m"]
 
 
-def floor_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Floor | None:
-    """The floor that the cloud stands on; None where there is none.
+def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Ground | None:
+    """The ground plane that the cloud stands on; None where there is none.
 
-    What of the object lies flat within the floor's thickness, as a sole does, cannot be told from it and goes with it.
+    Parts of the object that lie flat within the ground plane's thickness, as a sole does, are taken for the ground.
 
     Args:
         points: a cloud in any units and pose, perhaps with noise and outliers.
@@ -99,7 +99,7 @@ def floor_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Floor | No
             break
         if up := _side_of_object(sample, sheet):
             normal = up * sheet.normal
-            return Floor(_all_rows(unit, sample, sheet), normal, float(up * scale * sheet.offset + normal @ centre))
+            return Ground(_all_rows(unit, sample, sheet), normal, float(up * scale * sheet.offset + normal @ centre))
         free &= ~sheet.rows
     return None
 
@@ -111,7 +111,7 @@ def _draw(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> _Sample
     distance, neighbours = tree.query(x, k=NUM_NEIGHBOURS + 1)
     patch = x[neighbours] - x[neighbours].mean(axis=1, keepdims=True)
     variance, axes = np.linalg.eigh(patch.transpose(0, 2, 1) @ patch / (NUM_NEIGHBOURS + 1))
-    # three deviations of the noise, which the flattest patches underrate by a quarter; and no floor is quite even
+    # three deviations of the noise, which the flattest patches underrate by a quarter; and no ground is quite even
     deviation = np.sqrt(max(float(np.quantile(variance[:, 0], MIN_SHARE)), 0.0))
     band = 4 * deviation + 0.1 * float(np.median(distance[:, -1])) + 1e-9
     # random tetrahedra between extreme points fill the hull, whichever way a box of outliers is turned
@@ -154,7 +154,7 @@ def _refit(points: Float[np.ndarray, "r 3"], sheet: _Sheet, thickest: float) -> 
 
 
 def _all_rows(points: Float[np.ndarray, "n 3"], sample: _Sample, sheet: _Sheet) -> Bool[np.ndarray, "n"]:
-    """All points within the floor's thickness and amid it; two neighbours of eight do, as an object may be denser."""
+    """All points within the ground's thickness and amid it; two neighbours of eight do, as an object may be denser."""
     rows = np.abs(points @ sheet.normal - sheet.offset) <= sheet.band
     inside = np.abs(sample.points @ sheet.normal - sheet.offset) <= sheet.band
     rows[rows] = inside[sample.tree.query(points[rows], k=8)[1]].sum(axis=1) >= 2
@@ -162,7 +162,7 @@ def _all_rows(points: Float[np.ndarray, "n 3"], sample: _Sample, sheet: _Sheet) 
 
 
 def _side_of_object(sample: _Sample, sheet: _Sheet) -> int:
-    """1 or -1 if the rest of the cloud stands on the sheet's positive or negative side; 0 if the sheet is no floor."""
+    """1 or -1 if the rest of the cloud stands on the sheet's positive or negative side; 0 if the sheet is no ground."""
     height = sample.points @ sheet.normal - sheet.offset
     rest = ~sheet.rows & (np.abs(height) > sheet.band)
     if rest.sum() < MIN_POINTS:
@@ -173,17 +173,17 @@ def _side_of_object(sample: _Sample, sheet: _Sheet) -> int:
     standing = solid & (side == up)
     if standing.sum() < (1 - MAX_BELOW) * solid.sum():
         return 0
-    floor = sample.points[sheet.rows] @ sheet.axes
-    if np.ptp(floor, axis=0).min() < MIN_WIDTH * 2 * sheet.band:
+    ground = sample.points[sheet.rows] @ sheet.axes
+    if np.ptp(ground, axis=0).min() < MIN_WIDTH * 2 * sheet.band:
         return 0
     angle = np.linspace(0, 2 * np.pi, 32, endpoint=False)
     across = np.stack([np.cos(angle), np.sin(angle)])
     # the dense spots of scatter, a few of a hundred points of it, must not widen the object's footprint
     trim = min(0.005 + 0.02 * float((~solid).sum() / solid.sum()), 0.1)
     reach = np.quantile(sample.points[rest][standing] @ sheet.axes @ across, 1 - trim, axis=0)
-    # noise blurs the footprint, and a slope at its rim runs out within the thickness of the floor
+    # noise blurs the footprint, and a slope at its rim runs out within the thickness of the ground plane
     edge = reach + MARGIN * (reach + np.roll(reach, 16)).max() + 1.5 * sheet.band
-    return up if np.mean(np.quantile(floor @ across, 0.98, axis=0) > edge) >= MIN_DIRECTIONS else 0
+    return up if np.mean(np.quantile(ground @ across, 0.98, axis=0) > edge) >= MIN_DIRECTIONS else 0
 
 
 def _solid(rest: Float[np.ndarray, "r 3"], places: Float[np.ndarray, "p 3"]) -> Bool[np.ndarray, "r"]:

@@ -57,3 +57,30 @@ def finite_rows(points: Float[np.ndarray, "n 3"], nonfinite: str, notes: list[st
     if bad:
         notes.append(f"{bad} of {len(points)} points were NaN or infinite and were dropped")
     return np.flatnonzero(finite)
+
+
+def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m 3"]:
+    """The normals of some rows of the points, as float64.
+
+    Args:
+        normals: one for every given point.
+        shape: of the array of the given points.
+        rows: the rows that are used.
+
+    Raises:
+        InvalidPointsError: ragged, of another type or shape, or one of those that are used is zero, NaN or infinite.
+    """
+    try:
+        array = np.asarray(normals)
+    except ValueError as error:
+        raise InvalidPointsError("normals are ragged: give as many rows of three numbers as points") from error
+    if array.shape != shape or array.dtype.kind not in "fiu":
+        raise InvalidPointsError(f"normals must be real numbers of shape {shape}, as the points, not {array.shape}")
+    array = array[rows].astype(float)
+    bad = ~np.isfinite(array).all(axis=1) | (np.abs(array).max(axis=1) == 0)
+    if bad.any():
+        raise InvalidPointsError(
+            f"{int(bad.sum())} normals are zero, NaN or infinite, the first at index {int(rows[bad].min())}: "
+            "leave normals out and they are estimated"
+        )
+    return array

@@ -22,7 +22,7 @@ times the surface's own scatter in its tolerances."""
 
 LEAST, PER_BACKGROUND, MOST = 0.36, 0.63, 0.8
 """Threshold of the score otherwise: LEAST and PER_BACKGROUND times the background, at most MOST.
-Chosen on generated objects and real models; `experiments.studies.robust.calibration` prints the rates of right and wrong answers that
+Chosen on generated objects and real models; `experiments.run calibration` prints the rates of right and wrong answers that
 they and others give."""
 
 BACKGROUND = slice(4, 12)
@@ -39,7 +39,7 @@ AS_GOOD = 0.97
 VALLEY = 0.95
 """Share of a plane's own score below which that of the planes on the way to every better one must fall somewhere. A
 body of revolution with a handle agrees with all planes through its axis nearly as well as with the handle's: those are
-no mirror planes but the shoulder of one. Chosen on generated clouds; "named" in `experiments.studies.robust.calibration` says how
+no mirror planes but the shoulder of one. Chosen on generated clouds; "named" in `experiments.run calibration` says how
 often what it leaves is right."""
 
 WAY = 6
@@ -87,12 +87,12 @@ def judge(ranked: tuple[Candidate, ...], surface: Surface, around: Patches, latt
 
     if best.score <= threshold(best):
         return Verdict(threshold(best), "none", False, None, ())
-    holding = [c for c in ranked if c.score > threshold(c) and c.merit > HOLDS * best.merit]
+    holding = [c for c in ranked if c.score > threshold(c) and c.ranking_score > HOLDS * best.ranking_score]
     holding = _separate(holding, surface, lattice)
     planes = tuple(c.plane for c in holding)
     if len(holding) == 1:
         return Verdict(threshold(best), "one plane", False, None, planes)
-    if holding[1].merit < AS_GOOD * best.merit:
+    if holding[1].ranking_score < AS_GOOD * best.ranking_score:
         return Verdict(threshold(best), "several planes", False, None, planes)
     least = max(threshold(best), STILL_AS_GOOD * best.score)
     axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], surface, lattice, least)
@@ -111,7 +111,7 @@ def _separate(ranked: list[Candidate], surface: Surface, lattice: Lattice) -> li
     kept: list[Candidate] = []
     for candidate in ranked:
         own = evidence(candidate.plane, surface, lattice, rows).score
-        if candidate.merit >= AS_GOOD * ranked[0].merit or all(
+        if candidate.ranking_score >= AS_GOOD * ranked[0].ranking_score or all(
             any(
                 evidence(plane, surface, lattice, rows).score < VALLEY * own
                 for plane in _between(candidate.plane, better.plane, surface.points.mean(axis=0))

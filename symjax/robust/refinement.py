@@ -38,7 +38,7 @@ directions of a pair have points in common, so that they are no independent evid
 
 INFLATION = 1.4
 """Variance over what the sandwich gives: it is made for fixed pairs, and partners change as the plane moves. Chosen on
-generated noisy clouds; `experiments.studies.robust.coverage` prints the share of regions that hold the true plane with it."""
+generated noisy clouds; `experiments.run coverage` prints the share of regions that hold the true plane with it."""
 
 
 class Residuals(NamedTuple):

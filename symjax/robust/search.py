@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
+from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
-from symjax.l2e import manifolds
+from symjax.geometry.plane_nms import is_same, suppress
 from symjax.method.result import Candidate
 from symjax.robust.hypotheses import NUM_DIRECTIONS, hypotheses
 from symjax.robust.registration import Planes, Probes, agreement, register
@@ -66,7 +67,7 @@ def candidates(
         rng: draws the points that are looked at.
         prior: a plane to begin with, beside all others.
     """
-    planes = hypotheses(surface, np.asarray(manifolds.fibonacci(NUM_DIRECTIONS), dtype=float), rng)
+    planes = hypotheses(surface, fibonacci(NUM_DIRECTIONS), rng)
     if prior is not None:
         planes = Plane(np.vstack([prior.normal, planes.normal]), np.append(prior.offset, planes.offset))
     order = rng.permutation(len(surface.points))
@@ -75,7 +76,7 @@ def candidates(
     for stage in ROUNDS:
         probes = _probes(surface, order, stage.num_probes)
         best = np.argsort(-score, kind="stable")
-        best = best[: stage.kept] if stage is ROUNDS[0] else distinct(planes, best, stage.kept)
+        best = best[: stage.kept] if stage is ROUNDS[0] else _distinct(planes, best, stage.kept)
         moved = register(
             _as_batch(planes, np.resize(best, stage.kept)),
             np.array(stage.sigmas, np.float32),
@@ -86,10 +87,11 @@ def candidates(
         planes = Plane(np.asarray(moved.v, dtype=float), np.asarray(moved.omega, dtype=float))
         planes = Plane(planes.normal / np.linalg.norm(planes.normal, axis=1, keepdims=True), planes.offset)
         score = _agreement(planes, stage.weighed, probes, cells)
-    kept = distinct(planes, np.argsort(-score, kind="stable"), NUM_WEIGHED)
+    kept = _distinct(planes, np.argsort(-score, kind="stable"), NUM_WEIGHED)
     found = [Plane(planes.normal[i], planes.offset[i]) for i in kept]
     rows = order[:NUM_WEIGHED_POINTS]
-    weighed = (Candidate(plane, evidence(plane, surface, lattice, rows).score) for plane in found)
+    scores = (evidence(plane, surface, lattice, rows).score for plane in found)
+    weighed = (Candidate(plane, score, score) for plane, score in zip(found, scores, strict=True))
     return tuple(sorted(weighed, key=lambda candidate: -candidate.score))
 
 
@@ -115,22 +117,10 @@ def _agreement(planes: Plane, sigma: float, probes: Probes, lattice: Lattice) ->
     return np.concatenate(scores)[:count]
 
 
-def distinct(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
-    """Rows in the given order, at most so many, without those near one already taken."""
-    least = np.cos(np.radians(SAME_ANGLE))
-    normals, offsets = np.empty((most, 3)), np.empty(most)
-    kept: list[int] = []
-    for i in order:
-        if len(kept) == most:
-            break
-        cosine = normals[: len(kept)] @ planes.normal[i]
-        apart = np.abs(offsets[: len(kept)] - np.where(cosine < 0, -1, 1) * planes.offset[i])
-        if not ((np.abs(cosine) > least) & (apart < SAME_OFFSET)).any():
-            normals[len(kept)], offsets[len(kept)] = planes.normal[i], planes.offset[i]
-            kept.append(int(i))
-    return np.asarray(kept, dtype=int)
-
-
 def same(a: Plane, b: Plane) -> bool:
     """Whether two planes are one candidate."""
-    return len(distinct(Plane(np.stack([a.normal, b.normal]), np.array([a.offset, b.offset])), np.arange(2), 2)) == 1
+    return is_same(a, b, angle=SAME_ANGLE, offset=SAME_OFFSET)
+
+
+def _distinct(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
+    return suppress(planes, order, angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)

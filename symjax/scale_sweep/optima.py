@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 
 SAME_ANGLE, SAME_OFFSET = 0.05, 1e-3

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from symjax.geometry.distance import deviation_angle, offset_error
+from symjax.geometry.directions import deviation_angle
+from symjax.geometry.distance import offset_error
 from symjax.scale_sweep.optima import Optimum
 from symjax.scale_sweep.sphere_map import COLOURS, colour_index
 from symjax.viz import scene as scenes

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from symjax.errors import DegenerateCloudError, TooFewPointsError
 from symjax.preprocess.cloud import prepare
 from symjax.preprocess.validation import finite_rows
-from symjax.symhks.correspondences import MIN_PAIRS, sym_hks
+from symjax.symhks.correspondences import MIN_PAIRS, correspondences
 
 Nonfinite = Literal["raise", "drop"]
 
@@ -42,10 +42,10 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
         SymjaxError: a cloud that has no correspondences; the subclass says why.
     """
     cloud = prepare(points, nonfinite=nonfinite)
-    matches = sym_hks(cloud.points)
+    matches = correspondences(cloud.points)
     ends = points[cloud.rows[matches.rows]]
     notes = (f"{len(ends)} pairs by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
-    return SurveyPairs(ends[:, 0], ends[:, 1], cloud.centre, cloud.diagonal, notes)
+    return SurveyPairs(ends[:, 0], ends[:, 1], cloud.to_given.shift, cloud.diagonal, notes)
 
 
 def given_pairs(

@@ -1,26 +1,19 @@
 """Sym-HKS: putative mirror pairs of a cloud (Sec. 4 of the paper)."""
 
 import warnings
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
-from symjax.method.timer import Stages
+from symjax.method.stage_timer import StageTimer
 from symjax.symhks.assignment import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
-from symjax.symhks.keypoints import NUM_KEYPOINTS, RADIUS, Keypoints, keypoints
+from symjax.symhks.keypoints import NUM_KEYPOINTS, NUM_NEIGHBOURS, RADIUS, Keypoints, keypoints
 from symjax.symhks.signatures import NUM_TIMES, TimeScale, diffusion_times, heat_kernel_signatures, sign_vectors, whiten
-from symjax.symhks.spectrum import NUM_EIGS, Spectrum, spectrum
-
-PAIRS_PER_KEYPOINT = 0.25
-"""q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair. From 15 to 40 % the share
-of real models that were right changed by two or three in a hundred."""
-
-NUM_SIGNS = 12
-"""Low eigenfunctions whose signs tell twins from neighbours. The paper's s_i has one sign a keypoint, which is a
-misprint for one an eigenfunction; the highest of them change sign between neighbours, and say nothing."""
+from symjax.symhks.spectrum import NUM_EIGS, STAR_NEIGHBOURS, LaplacianKind, Spectrum, spectrum
 
 MIN_PAIRS = 3
 """Fewer pairs do not fix a plane against one outlier."""
@@ -41,18 +34,26 @@ class Correspondences(NamedTuple):
     notes: tuple[str, ...]
 
 
-class SymHKS(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class CorrespondenceOptions:
     """Options of the correspondences. Where a default is not the paper's, its line says what the paper's is.
 
     Attributes:
         num_eigs: eigenfunctions k, the constant one included.
+        laplacian: `"stars"`, the tufted Laplacian of our Delaunay stars; or `"library"`, the library's own routine.
+        star_neighbours: neighbours offered to each Delaunay star.
         num_keypoints: keypoints, topped up by farthest-point samples; the paper takes those that it finds.
         radius: radius r of the neighbourhood of intrinsic shape signatures, as a fraction of the diagonal.
+        num_neighbours: neighbours h that the radius may hold on the median; None does not bound them.
         num_times: diffusion times p.
         times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
         whitened: compare signatures by their Mahalanobis distance; False is the paper's plain distance.
-        num_signs: low eigenfunctions in the sign vectors; 0 leaves the constraint out.
-        num_pairs: pairs q; None is a quarter of the keypoints.
+        num_signs: low eigenfunctions in the sign vectors; 0 leaves the constraint out. The paper's s_i has one sign a
+            keypoint, which is a misprint for one an eigenfunction; the highest of them change sign between neighbours,
+            and say nothing.
+        num_pairs: pairs q; None is `pairs_per_keypoint` times the keypoints.
+        pairs_per_keypoint: q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair.
+            From 15 to 40 % the share of real models that were right changed by two or three in a hundred.
         separation: least distance of the two points of a pair, in spacings of the keypoints: points nearer than the
             residual's scale are one patch, and agree with any plane through it. 0 is the paper's, which leaves this
             to the signs alone.
@@ -60,67 +61,86 @@ class SymHKS(NamedTuple):
     """
 
     num_eigs: int = NUM_EIGS
+    laplacian: LaplacianKind = "stars"
+    star_neighbours: int = STAR_NEIGHBOURS
     num_keypoints: int = NUM_KEYPOINTS
     radius: float = RADIUS
+    num_neighbours: int | None = NUM_NEIGHBOURS
     num_times: int = NUM_TIMES
     times: TimeScale = "logarithmic"
     whitened: bool = True
-    num_signs: int = NUM_SIGNS
+    num_signs: int = 12
     num_pairs: int | None = None
+    pairs_per_keypoint: float = 0.25
     separation: float = 1.9
     symmetric: bool = False
 
-    def check(self) -> None:
+    def __post_init__(self) -> None:
         """Raises InvalidArgumentError for an option out of its range."""
-        for name, least in (("num_eigs", 2), ("num_keypoints", 6), ("num_times", 1), ("num_signs", 0)):
-            if getattr(self, name) < least:
-                raise InvalidArgumentError(f"{name} must be at least {least}, not {getattr(self, name)}")
+        least = {"num_eigs": 2, "star_neighbours": 3, "num_keypoints": 6, "num_times": 1, "num_signs": 0}
+        for name, lowest in least.items():
+            if getattr(self, name) < lowest:
+                raise InvalidArgumentError(f"{name} must be at least {lowest}, not {getattr(self, name)}")
         if not 0 < self.radius < 1:
             raise InvalidArgumentError(f"radius must be between 0 and 1 (of the diagonal), not {self.radius}")
         if not 0 <= self.separation < np.inf:
             raise InvalidArgumentError(f"separation must be 0 or more keypoint spacings, not {self.separation}")
         if self.num_pairs is not None and self.num_pairs < MIN_PAIRS:
             raise InvalidArgumentError(f"num_pairs must be at least {MIN_PAIRS}, not {self.num_pairs}")
+        if not 0 < self.pairs_per_keypoint <= 1:
+            raise InvalidArgumentError(f"pairs_per_keypoint must be above 0, at most 1, not {self.pairs_per_keypoint}")
+        for name, known in (("times", get_args(TimeScale)), ("laplacian", get_args(LaplacianKind))):
+            if getattr(self, name) not in known:
+                raise InvalidArgumentError(f"{name} must be one of {', '.join(known)}, not {getattr(self, name)!r}")
 
 
-def sym_hks(
+def correspondences(
     points: Float[np.ndarray, "n 3"],
     *,
     normals: Float[np.ndarray, "n 3"] | None = None,
-    options: SymHKS | None = None,
-    stages: Stages | None = None,
+    options: CorrespondenceOptions | None = None,
+    timer: StageTimer | None = None,
 ) -> Correspondences:
     """Putative mirror pairs of a cloud: spectrum, keypoints, signatures, assignment.
 
     Args:
         points: distinct points in units of their diagonal.
         normals: surface normals, of either orientation.
-        options: see `SymHKS`.
-        stages: clock of the stages.
+        options: see `CorrespondenceOptions`.
+        timer: times the stages.
 
     Raises:
-        InvalidArgumentError: an option is out of its range.
         SpectrumError: no eigenpairs.
         MatchingError: fewer than three pairs.
     """
-    options = SymHKS() if options is None else options
-    options.check()
-    stages = Stages() if stages is None else stages
+    options = CorrespondenceOptions() if options is None else options
+    timer = StageTimer() if timer is None else timer
     notes: list[str] = []
-    with stages("spectrum"):
-        eigen = spectrum(points, normals=normals, num_eigs=options.num_eigs)
+    with timer.stage("spectrum"):
+        eigen = spectrum(
+            points,
+            normals=normals,
+            num_eigs=options.num_eigs,
+            num_neighbours=options.star_neighbours,
+            laplacian=options.laplacian,
+        )
     if eigen.num_components > 1:
         notes.append(f"the cloud is in {eigen.num_components} pieces, between which no heat flows")
         warnings.warn(f"{notes[-1]}: correspondences across them are weak", ComponentsWarning, stacklevel=3)
-    with stages("keypoints"):
-        found = keypoints(points, num_keypoints=options.num_keypoints, radius=options.radius)
+    with timer.stage("keypoints"):
+        found = keypoints(
+            points,
+            num_keypoints=options.num_keypoints,
+            radius=options.radius,
+            num_neighbours=options.num_neighbours,
+        )
     if found.num_salient == 0:
         notes.append("no intrinsic shape signatures: all keypoints are farthest-point samples")
-    with stages("matching"):
+    with timer.stage("matching"):
         cost, penalty = _costs(points, eigen, found, options)
         num_pairs = options.num_pairs
         if num_pairs is None:
-            num_pairs = min(round(PAIRS_PER_KEYPOINT * len(found.rows)), possible_pairs(cost, penalty=penalty))
+            num_pairs = min(round(options.pairs_per_keypoint * len(found.rows)), possible_pairs(cost, penalty=penalty))
         pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric, penalty=penalty)
     if len(pairs) < MIN_PAIRS:
         raise MatchingError(
@@ -131,7 +151,7 @@ def sym_hks(
 
 
 def _costs(
-    points: Float[np.ndarray, "n 3"], eigen: Spectrum, found: Keypoints, options: SymHKS
+    points: Float[np.ndarray, "n 3"], eigen: Spectrum, found: Keypoints, options: CorrespondenceOptions
 ) -> tuple[Float[np.ndarray, "a a"], float]:
     """The paper's a_ij, infinite for keypoints too near each other; and from where on a cost is prohibitive."""
     times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)

@@ -41,7 +41,11 @@ class Keypoints(NamedTuple):
 
 
 def keypoints(
-    points: Float[np.ndarray, "n 3"], *, num_keypoints: int = NUM_KEYPOINTS, radius: float = RADIUS
+    points: Float[np.ndarray, "n 3"],
+    *,
+    num_keypoints: int = NUM_KEYPOINTS,
+    radius: float = RADIUS,
+    num_neighbours: int | None = NUM_NEIGHBOURS,
 ) -> Keypoints:
     """Intrinsic shape signatures, the most salient half of the keypoints at most, topped up to cover the cloud.
 
@@ -52,9 +56,10 @@ def keypoints(
         points: the cloud, in units of its diagonal.
         num_keypoints: number of keypoints, capped at n.
         radius: of the neighbourhood, in units of the diagonal.
+        num_neighbours: points that the neighbourhood may hold on the median; None does not bound them.
     """
     count = min(num_keypoints, len(points))
-    salient = shape_signatures(points, radius=_bounded_radius(points, radius))[: count // 2]
+    salient = shape_signatures(points, radius=_bounded_radius(points, radius, num_neighbours))[: count // 2]
     rows = farthest_points(points, count, seeds=salient)
     return Keypoints(rows, len(salient), _spacing(points, rows))
 
@@ -66,10 +71,12 @@ def _spacing(points: Float[np.ndarray, "n 3"], rows: Int[np.ndarray, "a"]) -> fl
     return float(np.median(nearest))
 
 
-def _bounded_radius(points: Float[np.ndarray, "n 3"], radius: float) -> float:
-    """The radius, or a smaller one that holds about `NUM_NEIGHBOURS` points of a dense or slender cloud."""
+def _bounded_radius(points: Float[np.ndarray, "n 3"], radius: float, num_neighbours: int | None) -> float:
+    """The radius, or a smaller one that holds about `num_neighbours` points of a dense or slender cloud."""
+    if num_neighbours is None:
+        return radius
     probes = points[:: max(1, len(points) // 500)]
-    neighbours = min(NUM_NEIGHBOURS, len(points) - 1)
+    neighbours = min(num_neighbours, len(points) - 1)
     return min(radius, float(np.median(cKDTree(points).query(probes, k=neighbours + 1)[0][:, -1])))
 
 

@@ -1,13 +1,14 @@
 """The plane of matched pairs: starts of the estimator, the distinct optima they reach, and a score to compare with."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from symjax.geometry.plane import Plane
+from symjax.geometry.plane_nms import suppress
 from symjax.l2e import manifolds
 from symjax.l2e.fit import Fit
 from symjax.l2e.objective import l2e_weights
@@ -19,13 +20,16 @@ from symjax.method.result import Candidate
 SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
 """Planes nearer than this (degrees, units of the points) are one optimum."""
 
+NAMED = ("rga", "pca", "l2")
+"""The order of the named starts."""
+
 NUM_RANDOM_PLANES = 1024
 RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.0
 """The score to exceed is 3 times the 0.95 quantile of the scores of random planes."""
 
 
-class Search(NamedTuple):
-    """What a search found.
+class CandidateFits(NamedTuple):
+    """The distinct planes that the estimator reached from its starts.
 
     Attributes:
         candidates: the distinct optima, the converged first, then by loss; a score is the mean L2E weight of the pairs.
@@ -42,21 +46,23 @@ class Search(NamedTuple):
     message: str
 
 
-def search(
+def fit_candidates(
     x: Float[np.ndarray, "m 3"],
     y: Float[np.ndarray, "m 3"],
     sigma: float,
     *,
+    starts: str,
     restarts: int,
-    solver: str,
+    solver: Any,
     rng: np.random.Generator,
-) -> Search:
+) -> CandidateFits:
     """Fits the plane of putative pairs from several starts, in float64.
 
     Args:
         x: one end of every pair, in units of the cloud's diagonal about its mean.
         y: the other end.
         sigma: scale σ of the residual, in the same units.
+        starts: `"all"`, or the name of one, see `SymHKS`.
         restarts: number of starts: the robust Grassmann average of the paper first, then the principal direction,
             the least-squares plane, the planes of the best single pairs, and even directions.
         solver: see `fit_plane`.
@@ -65,17 +71,25 @@ def search(
     with jax.enable_x64(True):
         pairs = given_pairs(x, y, None)
         fits = sweep(
-            pairs.x, pairs.y, np.array([sigma]), _starts(pairs, sigma, restarts), weights=pairs.weights, solver=solver
+            pairs.x,
+            pairs.y,
+            np.array([sigma]),
+            _starts(pairs, sigma, starts, restarts),
+            weights=pairs.weights,
+            solver=solver,
         )
         candidates, first = _distinct(fits, pairs, sigma)
         weight = _weights(jax.tree.map(lambda leaf: leaf[None], candidates[0].plane), sigma, pairs)[0, : len(x)]
         threshold = FOUND_FACTOR * float(np.quantile(_scores(_random_planes(x, y, rng), sigma, pairs), RANDOM_QUANTILE))
-        return Search(candidates, weight, threshold, bool(first.converged), str(first.message))
+        return CandidateFits(candidates, weight, threshold, bool(first.converged), str(first.message))
 
 
-def _starts(pairs: Pairs, sigma: float, restarts: int) -> Float[np.ndarray, "r 3"]:
+def _starts(pairs: Pairs, sigma: float, starts: str, restarts: int) -> Float[np.ndarray, "r 3"]:
     """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
     named = np.asarray(_named_starts(pairs))[:restarts]
+    if starts != "all":
+        row = NAMED.index(starts)
+        return np.asarray(_named_starts(pairs))[row : row + 1]
     half = (restarts - len(named)) // 2
     # always as many of each, since every number of directions is compiled anew
     voted = np.concatenate([_pair_normals(pairs, sigma, half), manifolds.fibonacci(max(half, 1))])[:half]
@@ -99,7 +113,7 @@ def _pair_normals(pairs: Pairs, sigma: float, most: int) -> Float[np.ndarray, "r
     normals = step / np.where(length > 0, length, 1.0)
     planes = Plane(normals, (normals * (x + y) / 2).sum(axis=1))
     order = np.argsort(-_scores(planes, sigma, pairs), kind="stable")
-    return normals[_suppressed(planes, order[real[order] > 0], most)]
+    return normals[suppress(planes, order[real[order] > 0], angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)]
 
 
 def _distinct(fits: Fit, pairs: Pairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
@@ -107,25 +121,18 @@ def _distinct(fits: Fit, pairs: Pairs, sigma: float) -> tuple[tuple[Candidate, .
     row = jax.tree.map(lambda leaf: leaf[0], fits)
     loss = np.asarray(row.loss)
     planes = Plane(np.asarray(row.plane.normal), np.asarray(row.plane.offset))
-    kept = _suppressed(planes, np.lexsort((loss, ~np.asarray(row.converged))), len(loss))
+    kept = suppress(
+        planes,
+        np.lexsort((loss, ~np.asarray(row.converged))),
+        angle=SAME_ANGLE,
+        offset=SAME_OFFSET,
+        most=len(loss),
+    )
     scores = _scores(planes, sigma, pairs)
-    candidates = tuple(Candidate(Plane(planes.normal[i], planes.offset[i]), float(scores[i])) for i in kept)
+    candidates = tuple(
+        Candidate(Plane(planes.normal[i], planes.offset[i]), float(scores[i]), float(scores[i])) for i in kept
+    )
     return candidates, jax.tree.map(lambda leaf: leaf[kept[0]], row)
-
-
-def _suppressed(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
-    """Rows in the given order, at most so many, without those near one already taken."""
-    kept: list[int] = []
-    for i in order:
-        if len(kept) == most:
-            break
-        near = Plane(planes.normal[kept], planes.offset[kept])
-        sign = np.where(near.normal @ planes.normal[i] < 0, -1.0, 1.0)
-        angle = near.angle(Plane(planes.normal[i], planes.offset[i]))
-        same = (angle < SAME_ANGLE) & (np.abs(near.offset - sign * planes.offset[i]) < SAME_OFFSET)
-        if not same.any():
-            kept.append(int(i))
-    return np.asarray(kept, dtype=int)
 
 
 def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng: np.random.Generator) -> Plane:

@@ -7,7 +7,7 @@ too many when it estimates normals, which loses area on dense clouds and ties th
 stands.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import robust_laplacian
@@ -21,6 +21,8 @@ from symjax.geometry.local_frames import local_frames, tangent_frames
 
 NUM_EIGS = 20
 """Eigenfunctions k (the paper's number)."""
+
+LaplacianKind = Literal["stars", "library"]
 
 STAR_NEIGHBOURS = 30
 """Neighbours offered to each star (Sharp and Crane's number)."""
@@ -99,7 +101,7 @@ def delaunay_stars(
     return np.concatenate(triangles)
 
 
-def laplacian(
+def star_laplacian(
     points: Float[np.ndarray, "n 3"],
     *,
     normals: Float[np.ndarray, "n 3"] | None = None,
@@ -136,12 +138,26 @@ def laplacian(
     return csc_matrix(matrix) / 3.0, mass.diagonal() / 3.0
 
 
+def library_laplacian(
+    points: Float[np.ndarray, "n 3"], *, num_neighbours: int = STAR_NEIGHBOURS
+) -> tuple[csc_matrix, Float[np.ndarray, "n"]]:
+    """Sharp and Crane's Laplacian of points by their library's own routine, which estimates the normals itself.
+
+    It loses area on dense clouds and away from the origin; `experiments.run sphere` measures how much.
+    """
+    matrix, mass = robust_laplacian.point_cloud_laplacian(
+        np.ascontiguousarray(points, dtype=float), n_neighbors=min(num_neighbours, len(points) - 1)
+    )
+    return csc_matrix(matrix), mass.diagonal()
+
+
 def spectrum(
     points: Float[np.ndarray, "n 3"],
     *,
     normals: Float[np.ndarray, "n 3"] | None = None,
     num_eigs: int = NUM_EIGS,
     num_neighbours: int = STAR_NEIGHBOURS,
+    laplacian: LaplacianKind = "stars",
 ) -> Spectrum:
     """The k lowest eigenpairs of the cloud's Laplace-Beltrami operator.
 
@@ -149,9 +165,10 @@ def spectrum(
 
     Args:
         points: distinct points, n > `num_eigs` + 1.
-        normals: see `laplacian`.
+        normals: see `star_laplacian`.
         num_eigs: eigenpairs k, the constant one included.
         num_neighbours: neighbours offered to each star.
+        laplacian: `"stars"`, see `star_laplacian`; or `"library"`, see `library_laplacian`.
 
     Returns:
         Eigenvalues in inverse squared units; eigenfunctions normalised by area.
@@ -164,7 +181,10 @@ def spectrum(
         raise InvalidArgumentError(
             f"num_eigs must be between 1 and {len(points) - 2} for {len(points)} points, not {num_eigs}"
         )
-    matrix, mass = laplacian(points, normals=normals, num_neighbours=num_neighbours)
+    if laplacian == "stars":
+        matrix, mass = star_laplacian(points, normals=normals, num_neighbours=num_neighbours)
+    else:
+        matrix, mass = library_laplacian(points, num_neighbours=num_neighbours)
     area = float(mass.sum())
     if not np.isfinite(area) or area <= 0:
         raise SpectrumError(f"the Delaunay stars of {len(points)} points have no area: are they on one line?")

@@ -131,7 +131,7 @@ def headline(detection: "Detection") -> tuple[str, str]:
     """The plane's equation, and a sentence on how far to trust it. ASCII but for the middle dot."""
     normal = ", ".join(f"{component:z.4f}" for component in np.asarray(detection.plane.normal))
     verdict = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
-    relation = "above" if detection.score > detection.threshold else "not above"
+    relation = "above" if detection.found else "not above"
     return (
         f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}",
         f"score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f}; "

@@ -142,7 +142,7 @@ def test_options_reach_detect(run, fake, scan):
 def test_options_of_the_robust_method_reach_detect(run, fake, scan):
     _, out, _ = run("detect", scan, "--init", 1, 0, 0, 0.5, "--remove-floor", "--max-planes", 3)
     assert "init ((1.0, 0.0, 0.0), 0.5)" in out
-    assert "remove_floor True" in out
+    assert "remove_ground True" in out
     assert "max_planes 3" in out
     assert "drop_outliers" not in out
 

@@ -15,7 +15,7 @@ from symjax import cli, datasets
 from symjax.cli.sigmas import Sigmas
 from symjax.cli.sweep import SOLVERS, STARTS
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.io.points import write_points
 from symjax.l2e.solvers import registry
 from symjax.l2e.sweep import STARTS as KNOWN_STARTS

@@ -19,7 +19,7 @@ from experiments.data.cases import kinds_of, made
 from experiments.data.corruptions import deviation
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, TooFewPointsError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.preprocess.cloud import prepare
 
 TEN = kinds_of("single", 10)

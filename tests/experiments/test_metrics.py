@@ -16,7 +16,7 @@ from experiments.metrics.gte import gte
 from experiments.metrics.sde import cloud_sde, mean_sde, sde
 from experiments.metrics.tally import Tally, pooled
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 from symjax.io.mesh import Mesh, sample
 

@@ -114,7 +114,7 @@ def test_one_experiment_runs_in_its_own_process(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "[1/1] sphere: done, " in said
     assert "1 of 1 in " in said
-    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "area / 4 pi" in section(page, "sphere")
     assert "`checks` (not run)" in page
 
@@ -134,7 +134,7 @@ def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypa
     assert stop.value.code == 1
     assert asked == [("checks", "full"), ("sphere", "full"), ("road", "full")]
     assert capsys.readouterr().out.splitlines()[-2:] == ["checks: failed with status 2", "road: data absent"]
-    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "## sphere" in text
     assert "## checks" not in text
 

@@ -57,7 +57,7 @@ def cloud(kind: str, seed: int, condition: str) -> np.ndarray:
 def detection(kind: str, seed: int, condition: str, method: str) -> dict[str, Any]:
     """The answer to a cloud."""
     det = symjax.detect(cloud(kind, seed, condition), method)
-    scores = [candidate.merit for candidate in det.candidates]
+    scores = [candidate.ranking_score for candidate in det.candidates]
     return {
         "normal": det.plane.normal.tolist(),
         "offset": float(det.plane.offset),

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from tests.golden.cases import DETECTIONS, FILE, FITS, detection, fit, name_of
 
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))

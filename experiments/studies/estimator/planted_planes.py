@@ -7,7 +7,7 @@ from jaxtyping import Float
 import symjax
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
 from symjax.geometry import distance
-from symjax.geometry.distance import AnyArray
+from symjax.geometry.arrays import AnyArray
 from symjax.geometry.plane import Plane
 from symjax.l2e import manifolds
 from symjax.l2e.starts import initialization

@@ -10,7 +10,7 @@ from tqdm import trange
 from experiments.framework import study
 from experiments.framework.study import Row
 from symjax.datasets.planted_pairs import NOISE, planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 from symjax.l2e.fit_plane import AUTO, fit_global, fit_plane
 from symjax.l2e.standard_errors import standard_errors

@@ -16,7 +16,7 @@ from tqdm import tqdm
 from experiments.framework import study
 from experiments.framework.study import Row
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e.fit import Fit, best
 from symjax.l2e.fit_plane import fit_global
 from symjax.l2e.manifolds import random_points

@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 
 from symjax.l2e.pairs.padded import Pairs
 from symjax.symhks import correspondences, keypoints, method, plane_fit, spectrum
-from symjax.symhks.correspondences import SymHKS
+from symjax.symhks.method import SymHKS
 
 Patch = tuple[ModuleType, str, Any]
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.geometry.distance import AnyArray
+from symjax.geometry.arrays import AnyArray
 
 UNIT_TOLERANCE = 1e-3  # how far from 1 the length of a start may be
 MIN_PAIRS = 3

@@ -3,7 +3,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from symjax.geometry.distance import deviation_angle, offset_error
+from symjax.geometry.directions import deviation_angle
+from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
 
 

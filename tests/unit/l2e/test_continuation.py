@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e.fit import best
 from symjax.l2e.sweep import sweep
 from tests.helpers.structured_pairs import structured_pairs

@@ -7,7 +7,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e import sweep as sweep_module
 from symjax.l2e.fit import Fit, best

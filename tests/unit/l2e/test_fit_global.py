@@ -6,7 +6,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, NonfiniteError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e.fit_plane import fit_global, fit_plane
 from tests.helpers.structured_pairs import structured_pairs

@@ -7,7 +7,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e import sweep as sweep_module
 from symjax.l2e.fit import best
 from symjax.l2e.fit_plane import fit_plane

@@ -6,7 +6,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e.fit import best
 from symjax.l2e.manifolds import fibonacci
 from symjax.l2e.pairs.padded import LEAST_BUCKET, bucket

@@ -1,11 +1,11 @@
-"""A floor is what the cloud stands on and what reaches further than it; it goes, and the object stays."""
+"""A ground plane is what the cloud stands on and what reaches further than it; it goes, and the object stays."""
 
 import numpy as np
 import pytest
 
 from symjax.datasets import add_noise, add_outliers, generate
 from symjax.datasets.sample import random_orthogonal
-from symjax.preprocess.ground import floor_rows
+from symjax.preprocess.ground import ground_rows
 
 OBJECT, FLOOR, OUTLIER = range(3)
 STANDING = ("chair", "desk", "car", "quadruped", "human", "head", "mug", "teapot", "cube", "pyramid", "bowl", "tree")
@@ -13,7 +13,7 @@ COMPLETE = (*STANDING, "block", "table", "sofa", "stool", "boat", "guitar", "pri
 
 
 class Scene:
-    """An object on a square floor, as scanned from above: without its sole; in a random pose, unit and place."""
+    """An object on a square ground, as scanned from above: without its sole; in a random pose, unit and place."""
 
     def __init__(self, kind, rng, *, num_points=3000, width=1.6, share=0.6, seen=-1.0, noise=0.0, outliers=0.0):
         points = generate(kind, num_points=num_points, rng=rng).points
@@ -21,15 +21,15 @@ class Scene:
         size = np.linalg.norm(np.ptp(points, axis=0))
         across = points[:, :2]
         reach = width * np.ptp(across, axis=0).max() / 2
-        floor = rng.uniform(-1, 1, size=(int(share * num_points), 3)) * [1, 1, 0]
-        floor = floor[floor[:, 0] > seen] * reach
-        floor[:, :2] += (across.min(axis=0) + across.max(axis=0)) / 2
+        ground = rng.uniform(-1, 1, size=(int(share * num_points), 3)) * [1, 1, 0]
+        ground = ground[ground[:, 0] > seen] * reach
+        ground[:, :2] += (across.min(axis=0) + across.max(axis=0)) / 2
         points = points[points[:, 2] > 0.005 * size]
-        whole = add_noise(np.vstack([points, floor]), noise, rng)
+        whole = add_noise(np.vstack([points, ground]), noise, rng)
         turn, self.unit = random_orthogonal(rng), 10.0 ** rng.uniform(-3, 6)
         shift = rng.normal(scale=size, size=3)
         scene = add_outliers(whole @ turn.T, outliers, rng)
-        what = np.repeat([OBJECT, FLOOR, OUTLIER], [len(points), len(floor), len(scene) - len(whole)])
+        what = np.repeat([OBJECT, FLOOR, OUTLIER], [len(points), len(ground), len(scene) - len(whole)])
         height = np.r_[whole[:, 2], np.full(len(scene) - len(whole), np.nan)] / size
         order = rng.permutation(len(scene))
         self.points, self.what, self.height = self.unit * (scene + shift)[order], what[order], height[order]
@@ -47,7 +47,7 @@ class Scene:
 def test_the_floor_goes_and_the_object_stays(kind, rng):
     for num_points in (1000, 3000):
         scene = Scene(kind, rng, num_points=num_points)
-        found = floor_rows(scene.points)
+        found = ground_rows(scene.points)
         assert scene.removed(found) >= 0.95
         assert scene.kept(found) >= 0.99
         np.testing.assert_allclose(found.normal, scene.up, atol=1e-6)
@@ -59,7 +59,7 @@ def test_the_floor_goes_and_the_object_stays(kind, rng):
 @pytest.mark.parametrize("kind", STANDING)
 def test_noise_thickens_the_floor_and_no_more(kind, rng):
     scene = Scene(kind, rng, noise=0.005, width=1.8)
-    found = floor_rows(scene.points)
+    found = ground_rows(scene.points)
     assert scene.removed(found) >= 0.95
     assert found.normal @ scene.up > 0.999
     # three deviations of the noise, which is relative to the whole scene's diagonal
@@ -70,7 +70,7 @@ def test_noise_thickens_the_floor_and_no_more(kind, rng):
 def test_outliers_on_both_sides_hide_neither_floor_nor_object(outliers, rng):
     for kind in STANDING:
         scene = Scene(kind, rng, outliers=outliers, width=1.8, share=0.8)
-        found = floor_rows(scene.points)
+        found = ground_rows(scene.points)
         assert found is not None, kind
         assert scene.removed(found) >= 0.95
         assert scene.kept(found, above=0.05) >= 0.97
@@ -80,14 +80,14 @@ def test_outliers_on_both_sides_hide_neither_floor_nor_object(outliers, rng):
 @pytest.mark.parametrize("kind", ["chair", "car", "human", "head", "mug"])
 def test_a_floor_seen_on_one_side_only_is_a_floor(kind, rng):
     scene = Scene(kind, rng, seen=-0.2, width=1.8)
-    found = floor_rows(scene.points)
+    found = ground_rows(scene.points)
     assert scene.removed(found) >= 0.95
     assert scene.kept(found) >= 0.99
 
 
 def test_a_floor_may_be_most_of_the_cloud(rng):
     scene = Scene("chair", rng, num_points=2000, share=9, width=4)
-    found = floor_rows(scene.points)
+    found = ground_rows(scene.points)
     assert scene.removed(found) >= 0.99
     assert scene.kept(found) >= 0.99
 
@@ -96,7 +96,7 @@ def test_a_floor_may_be_most_of_the_cloud(rng):
 def test_a_complete_object_has_no_floor(kind, rng):
     for seed in range(2):
         points = generate(kind, num_points=3000, rng=seed).points @ random_orthogonal(rng).T
-        assert floor_rows(points) is None
+        assert ground_rows(points) is None
 
 
 @pytest.mark.parametrize(("noise", "outliers"), [(0.01, 0.0), (0.0, 1.0), (0.005, 0.5)])
@@ -104,35 +104,35 @@ def test_noise_and_outliers_make_hardly_any_floor(noise, outliers, rng):
     found = []
     for kind in COMPLETE:
         points = add_noise(generate(kind, num_points=2500, rng=rng).points @ random_orthogonal(rng).T, noise, rng)
-        found.append(floor_rows(add_outliers(points, outliers, rng)))
-    assert sum(floor is not None for floor in found) <= 1
+        found.append(ground_rows(add_outliers(points, outliers, rng)))
+    assert sum(ground is not None for ground in found) <= 1
 
 
 def test_the_normal_points_to_the_object(rng):
     for kind in STANDING:
         scene = Scene(kind, rng)
-        found = floor_rows(scene.points)
+        found = ground_rows(scene.points)
         np.testing.assert_allclose(np.linalg.norm(found.normal), 1, rtol=1e-12)
         assert (scene.points[scene.what == OBJECT] @ found.normal > found.offset).all()
 
 
 def test_the_answer_is_deterministic_and_hardly_depends_on_the_seed(rng):
     scene = Scene("teapot", rng, noise=0.003)
-    found = floor_rows(scene.points, seed=1)
-    again = floor_rows(scene.points, seed=1)
+    found = ground_rows(scene.points, seed=1)
+    again = ground_rows(scene.points, seed=1)
     assert (found.rows == again.rows).all()
     assert (found.normal == again.normal).all()
     assert found.offset == again.offset
-    assert (floor_rows(scene.points, seed=2).rows == found.rows).mean() > 0.95
+    assert (ground_rows(scene.points, seed=2).rows == found.rows).mean() > 0.95
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 def test_the_floor_turns_moves_and_grows_with_the_cloud(noise, rng):
     for kind in ("chair", "mug", "head"):
         scene = Scene(kind, rng, noise=noise)
-        found = floor_rows(scene.points)
+        found = ground_rows(scene.points)
         turn, move = random_orthogonal(rng), scene.size * rng.normal(size=3)
-        there = floor_rows(7 * scene.points @ turn.T + move)
+        there = ground_rows(7 * scene.points @ turn.T + move)
         assert (there.rows != found.rows).mean() < 0.005
         np.testing.assert_allclose(there.normal, turn @ found.normal, atol=1e-6)
         np.testing.assert_allclose(there.offset, 7 * found.offset + there.normal @ move, atol=1e-5 * scene.size)
@@ -141,8 +141,8 @@ def test_the_floor_turns_moves_and_grows_with_the_cloud(noise, rng):
 def test_clouds_that_carry_nothing_have_no_floor(rng):
     plate = rng.uniform(size=(2000, 3)) * [1, 1, 0]
     for points in (plate, plate + rng.normal(scale=0.01, size=plate.shape), np.outer(plate[:, 0], [1.0, 2.0, 3.0])):
-        assert floor_rows(points) is None
-    assert floor_rows(np.ones((100, 3))) is None
-    assert floor_rows(np.repeat(plate[:4], 100, axis=0)) is None
-    assert floor_rows(plate[:20]) is None
-    assert floor_rows(rng.normal(size=(2000, 3))) is None
+        assert ground_rows(points) is None
+    assert ground_rows(np.ones((100, 3))) is None
+    assert ground_rows(np.repeat(plate[:4], 100, axis=0)) is None
+    assert ground_rows(plate[:20]) is None
+    assert ground_rows(rng.normal(size=(2000, 3))) is None

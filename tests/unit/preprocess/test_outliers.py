@@ -152,5 +152,5 @@ def test_flat_clouds_grids_lines_and_doubled_points_lose_nothing(rng):
 
 def test_what_is_left_out_is_said(rng):
     ball = rng.normal(size=(DENSITY_POINTS + 2_000, 3))
-    cloud = prepare(ball / np.linalg.norm(ball, axis=1, keepdims=True), max_points=40_000, drop_scattered=True)
+    cloud = prepare(ball / np.linalg.norm(ball, axis=1, keepdims=True), max_points=40_000, drop_outliers=True)
     assert len(cloud.points) == len(ball) or cloud.notes

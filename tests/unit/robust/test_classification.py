@@ -154,8 +154,8 @@ def test_found_and_ambiguous_and_symmetry_agree(kind):
     assert not (found.ambiguous and found.symmetry in ("none", "one plane"))
     assert (found.axis is not None) == (found.symmetry in ("axis", "sphere"))
     # the others were weighed on a thousand points only
-    polished = [candidate.merit for candidate in found.candidates if candidate.exactness is not None]
-    assert max(polished) == found.candidates[0].merit
+    polished = [candidate.ranking_score for candidate in found.candidates if candidate.exactness is not None]
+    assert max(polished) == found.candidates[0].ranking_score
 
 
 @pytest.mark.parametrize("kind", ["block", "drum"])

@@ -13,7 +13,7 @@ from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
 from symjax.robust import search
 from symjax.robust.surface import surface
-from symjax.symhks.correspondences import SymHKS
+from symjax.symhks.method import SymHKS
 
 NUM = 1_500
 CORRUPTIONS = {

@@ -6,7 +6,7 @@ import pytest
 from symjax import datasets, sweep
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, NonfiniteError, TooFewPointsError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 from symjax.l2e import manifolds
 from symjax.scale_sweep import run as surveys

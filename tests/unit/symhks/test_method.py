@@ -16,7 +16,7 @@ from symjax.errors import (
 )
 from symjax.geometry.local_frames import local_frames
 from symjax.geometry.plane import Plane
-from symjax.symhks.correspondences import SymHKS
+from symjax.symhks.method import SymHKS
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e.manifolds import fibonacci
 from symjax.l2e.objective import scaled_log_loss
 from symjax.l2e.pairs.normalized import Problem, normalised, sample

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e.starts.initialization import (
     grassmann_average,
     l2_plane,

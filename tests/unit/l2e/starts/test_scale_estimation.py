@@ -7,7 +7,7 @@ import scipy.optimize
 
 from symjax.datasets.planted_pairs import NOISE, planted_pairs
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e.fit_plane import fit_global, fit_plane
 from symjax.l2e.objective import squared_residuals

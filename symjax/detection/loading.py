@@ -1,0 +1,77 @@
+"""A detection read back from the JSON that it was saved as."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from numpy.typing import ArrayLike
+
+from symjax.detection.result import Detection, Pairs
+from symjax.detection.serialization import FORMAT
+from symjax.errors import FileFormatError
+from symjax.geometry.plane import Plane
+from symjax.geometry.uncertainty import Uncertainty
+from symjax.method.result import Candidate
+
+
+def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None = None) -> Detection:
+    """Reads what `Detection.save` wrote.
+
+    Args:
+        path: the JSON file.
+        points: the cloud, for `plot`, `picture` and `complete`; it is not in the file.
+
+    Raises:
+        FileFormatError: missing, unreadable, or no detection.
+    """
+    try:
+        values = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileFormatError(f"cannot read {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise FileFormatError(f"{path} is not JSON: {error}") from error
+    if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
+        raise FileFormatError(f"{path} was not written by Detection.save (no {FORMAT!r})")
+    try:
+        pairs = values.pop("pairs")
+        return Detection(
+            plane=_plane(values.pop("plane")),
+            axis=_arrays(values.pop("axis")),
+            planes=tuple(_plane(plane) for plane in values.pop("planes")),
+            candidates=tuple(
+                Candidate(_plane(c["plane"]), float(c["score"]), float(c["ranking_score"]), c["exactness"])
+                for c in values.pop("candidates")
+            ),
+            uncertainty=_uncertainty(values.pop("uncertainty")),
+            pairs=Pairs(
+                np.array(pairs["x"], dtype=float).reshape(-1, 3),
+                np.array(pairs["y"], dtype=float).reshape(-1, 3),
+                np.array(pairs["rows"], dtype=np.int64).reshape(-1, 2),
+                np.array(pairs["weight"], dtype=float),
+            ),
+            used=np.array(values.pop("used"), dtype=np.int64),
+            notes=tuple(values.pop("notes")),
+            points=None if points is None else np.asarray(points, dtype=float),
+            **values,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileFormatError(f"{path} is no complete detection: {error}") from error
+
+
+def _plane(values: dict[str, Any]) -> Plane:
+    normal, offset = (np.array(values[name], dtype=float) for name in ("normal", "offset"))
+    return Plane(normal.reshape(3), offset.reshape(()))
+
+
+def _arrays(values: list[list[float]] | None) -> Any:
+    return None if values is None else tuple(np.array(value, dtype=float).reshape(3) for value in values)
+
+
+def _uncertainty(values: dict[str, Any] | None) -> Uncertainty | None:
+    if values is None:
+        return None
+    shapes = {"covariance": (3, 3), "tangents": (2, 3), "centre": (3,)}
+    return Uncertainty(**{name: np.array(values[name], dtype=float).reshape(s) for name, s in shapes.items()})
