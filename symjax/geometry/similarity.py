@@ -36,16 +36,25 @@ class Similarity(NamedTuple):
 
     def directions(self, directions: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch 3"]:
         """Images of directions: turned, of the same length."""
-        q = self.rotation
-        if q is None:
-            return directions
-        # columns, not a matrix product: on a GPU that would run in TF32
-        return sum(directions[..., i, None] * q[..., :, i] for i in range(3))  # type: ignore[return-value]
+        xp: Any = directions.__array_namespace__()
+        return xp.stack(self._turned(directions), axis=-1)
 
     def points(self, points: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch 3"]:
         """Images of points."""
         xp: Any = points.__array_namespace__()
-        return xp.asarray(self.scale)[..., None] * self.directions(points) + self.shift
+        moved = [self.scale * part + self.shift[..., i] for i, part in enumerate(self._turned(points))]
+        return xp.stack(moved, axis=-1)
+
+    def _turned(self, vectors: Float[AnyArray, "*batch 3"]) -> list[Float[AnyArray, "*batch"]]:
+        """The components of Q times each vector.
+
+        One by one: a matrix product would run in TF32 on a GPU, and no rank is promoted.
+        """
+        x, y, z = (vectors[..., i] for i in range(3))
+        q = self.rotation
+        if q is None:
+            return [x, y, z]
+        return [x * q[..., i, 0] + y * q[..., i, 1] + z * q[..., i, 2] for i in range(3)]
 
     def plane(self, plane: Plane) -> Plane:
         """Image of a plane; the sign of its normal is kept."""
@@ -71,7 +80,7 @@ class Similarity(NamedTuple):
         xp: Any = self.shift.__array_namespace__()
         turned_back = None if self.rotation is None else xp.swapaxes(self.rotation, -1, -2)
         back = Similarity(1 / self.scale, turned_back, self.shift)
-        return back._replace(shift=-xp.asarray(back.scale)[..., None] * back.directions(self.shift))
+        return back._replace(shift=xp.stack([-back.scale * part for part in back._turned(self.shift)], axis=-1))
 
     def after(self, first: "Similarity") -> "Similarity":
         """The composition x ↦ self(first(x))."""

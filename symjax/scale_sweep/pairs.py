@@ -45,7 +45,7 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
     matches = correspondences(cloud.points)
     ends = points[cloud.rows[matches.rows]]
     notes = (f"{len(ends)} pairs by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
-    return SurveyPairs(ends[:, 0], ends[:, 1], cloud.to_given.shift, cloud.diagonal, notes)
+    return SurveyPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
 
 
 def given_pairs(

@@ -131,13 +131,15 @@ def headline(detection: "Detection") -> tuple[str, str]:
     """The plane's equation, and a sentence on how far to trust it. ASCII but for the middle dot."""
     normal = ", ".join(f"{component:z.4f}" for component in np.asarray(detection.plane.normal))
     verdict = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
-    relation = "above" if detection.found else "not above"
-    return (
-        f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}",
-        f"score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f}; "
-        f"{detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
-        + (f"; one of several: {OTHERS[detection.symmetry]}" if detection.ambiguous else ""),
-    )
+    said = f"score {detection.score:.3f}"
+    if detection.threshold is not None:
+        relation = "above" if detection.score > detection.threshold else "not above"
+        said += f", {relation} the threshold {detection.threshold:.3f}"
+    if detection.inlier_fraction is not None:
+        said += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
+    if detection.ambiguous:
+        said += f"; one of several: {OTHERS[detection.symmetry]}"
+    return f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}", said
 
 
 def thin(rows: np.ndarray, most: int) -> np.ndarray:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from symjax.detection.result import Candidate, Detection, Pairs
+from symjax.detection.result import Detection, Pairs
 from symjax.geometry.plane import Plane
+from symjax.method.result import Candidate
 
 
 def detection_of(points, /, *, normal=(0.6, 0.0, 0.8), offset=0.3, weights=(), candidates=1, **changes):
@@ -23,8 +24,9 @@ def detection_of(points, /, *, normal=(0.6, 0.0, 0.8), offset=0.3, weights=(), c
         "exactness": None,
         "score": 0.6,
         "threshold": 0.3,
-        "candidates": tuple(Candidate(p, 0.6) for p in [plane, *others][:candidates]),
+        "candidates": tuple(Candidate(p, 0.6, 0.6) for p in [plane, *others][:candidates]),
         "pairs": Pairs(x, np.asarray(plane.reflect(x)), np.zeros((len(x), 2), int), np.array(weights, float)),
+        "inlier_weight": 0.5,
         "inlier_fraction": 0.75,
         "converged": True,
         "message": "converged",

@@ -32,10 +32,11 @@ def detection(rng):
         score=0.5,
         threshold=0.1,
         candidates=(
-            Candidate(plane, 0.5, 0.4),
-            Candidate(Plane(np.array([0.0, 0.0, 1.0]), np.float64(-2.0)), 0.1),
+            Candidate(plane, 0.5, 0.5, 0.4),
+            Candidate(Plane(np.array([0.0, 0.0, 1.0]), np.float64(-2.0)), 0.1, 0.1),
         ),
         pairs=Pairs(x, np.asarray(plane.reflect(x)), np.stack([np.arange(5), np.arange(5, 10)], axis=1), np.ones(5)),
+        inlier_weight=0.5,
         inlier_fraction=0.9,
         converged=True,
         message="Converged.",

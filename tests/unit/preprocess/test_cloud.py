@@ -75,9 +75,10 @@ def test_nonfinite_points_are_refused_with_their_count_or_dropped_on_request(rng
 def test_the_way_back_is_exact(rng):
     points = blob(rng) + 5.0
     cloud = prepare(points)
-    back = cloud.centre + cloud.diagonal * cloud.points @ cloud.frame.T
+    back = cloud.to_given.points(cloud.points)
     np.testing.assert_allclose(back, points[cloud.rows], rtol=1e-12)
-    np.testing.assert_allclose(cloud.frame.T @ cloud.frame, np.eye(3), atol=1e-14)
+    frame = cloud.to_given.rotation
+    np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-14)
 
 
 @pytest.mark.parametrize("scale", [1e-160, 1e-12, 1.0, 1e12, 1e160, 1e306])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from symjax.datasets import generate
+from symjax.geometry.plane import Plane
 from symjax.preprocess.cloud import prepare
 from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Planes, Probes, agreement, register
 from symjax.robust.search import ROUNDS
@@ -20,8 +21,7 @@ def scene_of(kind, num_points=2_000):
     sample = generate(kind, num_points=num_points, rng=0)
     cloud = prepare(sample.points)
     around = surface(cloud.points)
-    normal = sample.normals[0] @ cloud.frame
-    offset = (sample.offsets[0] - sample.normals[0] @ cloud.centre) / cloud.diagonal
+    normal, offset = cloud.to_given.inverse().plane(Plane(sample.normals[0], sample.offsets[0]))
     rows = np.random.default_rng(1).permutation(len(cloud.points))[:512]
     probes = Probes(*(a.astype(np.float32) for a in (around.points[rows], around.normals[rows], around.trust[rows])))
     return lattice(around, None), probes, normal, offset

@@ -1,5 +1,7 @@
 """The paper's road (method "sym-hks"): planted planes, equivariance, and input that has no plane."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -21,8 +23,13 @@ from symjax.symhks.method import SymHKS
 NORMAL = np.array([1.0, 0.0, 0.0])
 
 
+OF_DETECT = ("normals", "rng", "nonfinite", "max_points")
+
+
 def detect(points, **options):
-    return symjax.detect(points, **({"method": "sym-hks"} | options))
+    """By SymHKS with those options that are not detect's own."""
+    own = {name: options.pop(name) for name in OF_DETECT if name in options}
+    return symjax.detect(points, SymHKS(**options), **own)
 
 
 def creature(rng, num_points=3_000):
@@ -122,12 +129,14 @@ def test_both_solvers_reach_the_same_plane(cloud, detection):
 
 
 def test_the_papers_own_settings_run(cloud):
-    printed = SymHKS(times="uniform", whitened=False, num_keypoints=200, separation=0.0)
-    assert detect(cloud, options=printed).num_used == len(cloud)
+    printed = dataclasses.replace(SymHKS.as_printed(), num_keypoints=200)
+    assert (printed.times, printed.whitened, printed.separation, printed.restarts) == ("uniform", False, 0.0, 1)
+    assert printed.solver == "alternating"
+    assert symjax.detect(cloud, printed).num_used == len(cloud)
 
 
 def test_the_sign_constraint_can_be_left_out(cloud):
-    free = detect(cloud, options=SymHKS(num_signs=0, num_keypoints=200)).pairs
+    free = detect(cloud, num_signs=0, num_keypoints=200).pairs
     apart = np.linalg.norm(free.x - free.y, axis=1)
     assert len(free.rows) >= 3
     assert apart.min() > 0
@@ -145,7 +154,6 @@ def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
 @pytest.mark.parametrize(
     ("change", "error", "words"),
     [
-        ({"method": "magic"}, InvalidArgumentError, "sym-hks"),
         ({"sigma": 0.0}, InvalidArgumentError, "sigma"),
         ({"sigma": -1.0}, InvalidArgumentError, "sigma"),
         ({"sigma": float("nan")}, InvalidArgumentError, "sigma"),
@@ -153,12 +161,16 @@ def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
         ({"solver": "magic"}, InvalidArgumentError, "solver"),
         ({"nonfinite": "ignore"}, InvalidArgumentError, "nonfinite"),
         ({"max_points": 10}, InvalidArgumentError, "max_points"),
-        ({"options": SymHKS(num_eigs=10**6)}, InvalidArgumentError, "num_eigs"),
-        ({"options": SymHKS(num_eigs=1)}, InvalidArgumentError, "num_eigs"),
-        ({"options": SymHKS(num_pairs=1)}, InvalidArgumentError, "num_pairs"),
-        ({"options": SymHKS(separation=-1.0)}, InvalidArgumentError, "separation"),
-        ({"options": SymHKS(radius=0.0)}, InvalidArgumentError, "radius"),
-        ({"options": SymHKS(times="linear")}, InvalidArgumentError, "linear"),
+        ({"num_eigs": 10**6}, InvalidArgumentError, "num_eigs"),
+        ({"num_eigs": 1}, InvalidArgumentError, "num_eigs"),
+        ({"num_pairs": 1}, InvalidArgumentError, "num_pairs"),
+        ({"separation": -1.0}, InvalidArgumentError, "separation"),
+        ({"radius": 0.0}, InvalidArgumentError, "radius"),
+        ({"times": "linear"}, InvalidArgumentError, "linear"),
+        ({"laplacian": "cotangent"}, InvalidArgumentError, "cotangent"),
+        ({"starts": "best"}, InvalidArgumentError, "best"),
+        ({"sigma_spacings": 0.0}, InvalidArgumentError, "sigma_spacings"),
+        ({"pairs_per_keypoint": 1.5}, InvalidArgumentError, "pairs_per_keypoint"),
     ],
 )
 def test_bad_options_are_refused(cloud, change, error, words):
@@ -180,7 +192,7 @@ def test_bad_options_are_refused(cloud, change, error, words):
 @pytest.mark.parametrize("method", ["robust", "sym-hks"])
 def test_bad_points_are_refused(points, error, method):
     with pytest.raises(error) as caught:
-        detect(points, method=method)
+        symjax.detect(points, method)
     assert isinstance(caught.value, SymjaxError)
 
 

@@ -1,0 +1,55 @@
+"""Non-maximum suppression keeps the best of planes that are near each other, and all that are not."""
+
+import numpy as np
+import pytest
+
+from symjax.geometry.plane import Plane
+from symjax.geometry.plane_nms import is_same, suppress
+
+
+def planes(*rows):
+    table = np.array(rows, dtype=float)
+    normals = table[:, :3] / np.linalg.norm(table[:, :3], axis=1, keepdims=True)
+    return Plane(normals, table[:, 3])
+
+
+def tilted(degrees, offset=0.0):
+    return (np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0, offset)
+
+
+def test_the_first_of_near_planes_is_kept_whatever_the_sign_of_its_normal():
+    all_planes = planes(tilted(0), tilted(3), tilted(180), tilted(90))
+    kept = suppress(all_planes, np.array([1, 0, 2, 3]), angle=5.0, offset=0.02, most=4)
+    assert kept.tolist() == [1, 3]
+
+
+def test_parallel_planes_far_apart_are_two():
+    all_planes = planes(tilted(0, 0.1), tilted(180, 0.1), tilted(180, -0.1))
+    assert suppress(all_planes, np.arange(3), angle=5.0, offset=0.02, most=3).tolist() == [0, 1]
+
+
+def test_no_more_than_asked_are_kept():
+    many = planes(*(tilted(angle) for angle in range(0, 180, 10)))
+    assert suppress(many, np.arange(18), angle=5.0, offset=0.02, most=4).tolist() == [0, 1, 2, 3]
+    assert len(suppress(many, np.arange(18), angle=5.0, offset=0.02, most=50)) == 18
+
+
+def test_what_is_kept_is_apart_and_what_is_dropped_is_near_something_better(rng):
+    normals = rng.normal(size=(300, 3))
+    some = Plane(normals / np.linalg.norm(normals, axis=1, keepdims=True), rng.uniform(-0.1, 0.1, 300))
+    order = rng.permutation(300)
+    kept = suppress(some, order, angle=12.0, offset=0.05, most=300)
+    rank = {row: place for place, row in enumerate(order)}
+
+    def near(i, j):
+        return is_same(*(Plane(some.normal[k], some.offset[k]) for k in (i, j)), angle=12.0, offset=0.05)
+
+    assert not any(near(i, j) for i in kept for j in kept if i != j)
+    for row in set(range(300)) - set(kept.tolist()):
+        assert any(near(row, other) and rank[other] < rank[row] for other in kept)
+
+
+@pytest.mark.parametrize(("degrees", "offset", "same"), [(3.9, 0.019, True), (4.1, 0.0, False), (0.0, 0.021, False)])
+def test_two_planes_are_the_same_within_both_limits(degrees, offset, same):
+    first, second = planes(tilted(0)), planes(tilted(degrees, offset))
+    assert is_same(*(Plane(p.normal[0], p.offset[0]) for p in (first, second)), angle=4.0, offset=0.02) == same

@@ -1,0 +1,88 @@
+"""A similarity moves points, directions and planes alike, and its inverse and its compositions are what they say."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
+from symjax.geometry.uncertainty import Uncertainty
+
+
+def some(rng, *, turned=True, batch=()):
+    rotation = np.linalg.qr(rng.normal(size=(*batch, 3, 3)))[0] if turned else None
+    return Similarity(np.exp(rng.normal(size=batch)), rotation, rng.normal(size=(*batch, 3)))
+
+
+@pytest.fixture(params=["rotation", "rotoreflection", "no rotation"])
+def similarity(request, rng):
+    found = some(rng, turned=request.param != "no rotation")
+    if found.rotation is None:
+        return found
+    sign = np.sign(np.linalg.det(found.rotation)) * (1 if request.param == "rotation" else -1)
+    return found._replace(rotation=sign * found.rotation)
+
+
+def test_points_on_a_plane_stay_on_it(similarity, rng):
+    plane = Plane(np.array([0.6, 0.0, -0.8]), np.float64(0.7))
+    points = rng.normal(size=(20, 3))
+    before = plane.signed_distance(points)
+    after = similarity.plane(plane).signed_distance(similarity.points(points))
+    np.testing.assert_allclose(after, similarity.scale * before, atol=1e-12)
+
+
+def test_mirroring_and_moving_commute(similarity, rng):
+    plane = Plane(np.array([0.6, 0.0, -0.8]), np.float64(0.7))
+    points = rng.normal(size=(20, 3))
+    moved = similarity.plane(plane).reflect(similarity.points(points))
+    np.testing.assert_allclose(moved, similarity.points(plane.reflect(points)), atol=1e-12)
+
+
+def test_distances_are_scaled_and_directions_keep_their_length(similarity, rng):
+    points = rng.normal(size=(2, 3))
+    moved = similarity.points(points)
+    step = similarity.directions(points[1] - points[0])
+    np.testing.assert_allclose(similarity.scale * step, moved[1] - moved[0], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(step), np.linalg.norm(points[1] - points[0]), rtol=1e-12)
+
+
+def test_the_inverse_leads_back(similarity, rng):
+    points = rng.normal(size=(20, 3))
+    np.testing.assert_allclose(similarity.inverse().points(similarity.points(points)), points, atol=1e-12)
+    plane = Plane(np.array([0.0, 1.0, 0.0]), np.float64(-2.0))
+    back = similarity.inverse().plane(similarity.plane(plane))
+    np.testing.assert_allclose(np.append(back.normal, back.offset), [0, 1, 0, -2], atol=1e-12)
+
+
+@pytest.mark.parametrize("turned", [(True, True), (True, False), (False, True), (False, False)])
+def test_a_composition_is_one_after_the_other(turned, rng):
+    first, second = (some(rng, turned=t) for t in turned)
+    points = rng.normal(size=(20, 3))
+    both = second.after(first)
+    np.testing.assert_allclose(both.points(points), second.points(first.points(points)), atol=1e-12)
+    assert (both.rotation is None) == (turned == (False, False))
+
+
+def test_a_batch_moves_every_point_by_its_own_map(rng):
+    batch = some(rng, batch=(5,))
+    points = rng.normal(size=(5, 3))
+    expected = [Similarity(*(leaf[i] for leaf in batch)).points(points[i]) for i in range(5)]
+    np.testing.assert_allclose(batch.points(points), expected, atol=1e-12)
+    np.testing.assert_allclose(batch.inverse().points(batch.points(points)), points, atol=1e-12)
+
+
+def test_a_covariance_moves_as_the_estimates_do(rng):
+    similarity = some(rng)
+    truth = Plane(np.array([0.0, 0.0, 1.0]), np.float64(0.2))
+    spread = Uncertainty(np.diag([1e-4, 2e-4, 4e-4]), np.eye(3)[:2], np.array([0.5, 0.1, 0.2]))
+    other = Plane(np.array([0.01, 0.0, np.sqrt(1 - 1e-4)]), np.float64(0.21))
+    moved = similarity.uncertainty(spread)
+    distance = moved.distance(similarity.plane(truth), similarity.plane(other))
+    assert distance == pytest.approx(spread.distance(truth, other), rel=1e-9)
+
+
+def test_it_goes_through_jax(similarity, rng):
+    points = rng.normal(size=(20, 3))
+    traced = jax.jit(lambda s, x: s.inverse().points(s.points(x)))(jax.tree.map(jnp.asarray, similarity), points)
+    np.testing.assert_allclose(traced, points, atol=1e-12)
