@@ -1,1 +1,1 @@
-"""Point clouds and meshes in files: PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD."""
+"""Clouds, meshes and pairs read from files, strictly, and files written so that no reader meets half of one."""

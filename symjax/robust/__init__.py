@@ -1,1 +1,1 @@
-"""The robust method: the mirror plane of a cloud with outliers, holes and noise."""
+"""The robust method: L2E with correspondences that follow the plane, verified on the cloud."""

@@ -1,1 +1,1 @@
-"""A survey: the sweep of one file's pairs over σ and starts, with what a person wants to know of it."""
+"""Fits of one set of pairs for many scales σ and starts: optima, summary, export, and an interactive page."""

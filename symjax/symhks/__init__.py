@@ -1,1 +1,1 @@
-"""Sym-HKS, the method of the paper: mirror pairs from heat kernel signatures, then the plane of the pairs."""
+"""The paper's Algorithm 1: mirror pairs by heat kernel signatures and signs of eigenfunctions, then L2E on them."""

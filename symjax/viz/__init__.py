@@ -1,1 +1,1 @@
-"""Pictures of a detection: an interactive page and a PNG."""
+"""Pictures of anything that has points, a plane and pairs: an interactive page, and a raster image."""

@@ -1,102 +1,71 @@
-"""The house: data flows one way, and importing symjax is cheap and leaves everything as it was."""
+"""What needs no JAX imports none, in a fresh process; the layers are contracts of import-linter in pyproject.toml."""
 
-import ast
+import importlib.util
+import pkgutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 import symjax
 
 ROOT = Path(symjax.__file__).parent
+PROJECT = ROOT.parent
 
-# where no JAX is; the estimator; and what stands on both
-WITHOUT_JAX = (
-    *("points", "cloud", "outliers", "floor", "frames", "stages", "finding", "uncertainty", "asymmetry"),
-    *("robust.surface", "robust.viewpoint", "robust.lattice", "robust.hypotheses", "robust.evidence", "robust.patches"),
-    *("symhks.spectrum", "symhks.signatures", "symhks.keypoints", "symhks.matching", "symhks.correspondences"),
-)
-ESTIMATOR = (
-    *("sphere", "objective", "features", "criterion", "jacobi", "implicit", "initial", "pairs", "problem", "screening"),
-    *("answer", "scale", "fit", "fitting", "sweeping", "solvers.linesearch", "solvers.bfgs", "solvers.alternation"),
-    *("solvers.newton", "solvers.reweighting", "solvers.solver", "solvers.lanes", "solvers.names"),
-)
-BRIDGE = (
-    *("pipeline", "detection", "robust.registration", "robust.search", "robust.polish", "robust.method"),
-    *("symhks.search", "symhks.method"),
-)
+WITHOUT_JAX = ("geometry", "io", "preprocess", "datasets", "detection", "method", "viz", "cli", "robust", "symhks")
+
+NEED_JAX = {
+    *("symjax.robust.registration", "symjax.robust.search", "symjax.robust.refinement"),
+    "symjax.symhks.plane_fit",
+}
+"""Modules of those packages that the methods import when they are called."""
 
 
-def imported(path):
-    """Modules of symjax that a file imports when it is itself imported, without the leading `symjax.`."""
-    names = set()
-    pending = list(ast.parse(path.read_text(encoding="utf-8")).body)
-    while pending:
-        node = pending.pop()
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "symjax":
-            tail = node.module.split(".")[1:]
-            names |= {".".join(tail)} if tail else {alias.name for alias in node.names}
-        elif isinstance(node, ast.Import):
-            names |= {alias.name.removeprefix("symjax.") for alias in node.names if alias.name.startswith("symjax.")}
-        elif isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-            pending += node.orelse
-    return names
+def modules_of(package):
+    return [
+        module.name
+        for module in pkgutil.walk_packages([str(ROOT / package)], f"symjax.{package}.")
+        if module.name not in NEED_JAX and not module.name.endswith("__main__")
+    ]
 
 
-def path_of(name):
-    return ROOT / f"{name.replace('.', '/')}.py"
+@pytest.mark.core
+@pytest.mark.parametrize("package", ["", *WITHOUT_JAX])
+def test_no_jax_is_imported_before_it_is_needed(package):
+    names = modules_of(package) if package else ["symjax"]
+    assert names
+    code = f"import importlib, sys; [importlib.import_module(n) for n in {names!r}]; print('jax' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PROJECT)
+    assert done.stdout.strip() == "False"
 
 
-@pytest.mark.parametrize("name", WITHOUT_JAX)
-def test_nothing_before_the_pairs_knows_the_estimator(name):
-    assert not imported(path_of(name)) & {*ESTIMATOR, *BRIDGE}
+def test_statuses_are_read_without_jax():
+    code = "import sys; from symjax.l2e.status import Status; print(Status(0).sentence, 'jax' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PROJECT)
+    assert done.stdout.startswith("Converged")
+    assert done.stdout.strip().endswith("False")
 
 
-@pytest.mark.parametrize("name", ESTIMATOR)
-def test_the_estimator_knows_no_clouds(name):
-    assert not imported(path_of(name)) & {*WITHOUT_JAX, *BRIDGE}
+def test_every_package_has_its_layer():
+    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    layers = next(c["layers"] for c in contracts if c["type"] == "layers" and c["containers"] == ["symjax"])
+    named = {name.strip() for layer in layers for name in layer.replace("|", ":").split(":")}
+    packages = {path.parent.name for path in ROOT.glob("*/__init__.py")}
+    assert packages | {"errors"} == named
 
 
-def test_the_package_imports_neither_experiments_nor_notebooks():
+@pytest.mark.skipif(importlib.util.find_spec("importlinter") is None, reason="import-linter is in the extra dev")
+def test_the_contracts_hold():
+    done = subprocess.run(["lint-imports", "--no-cache"], capture_output=True, text=True, cwd=PROJECT, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_package_imports_neither_experiments_nor_notebooks_nor_tests():
     for path in ROOT.rglob("*.py"):
-        assert "import experiments" not in path.read_text(encoding="utf-8")
-        assert "from experiments" not in path.read_text(encoding="utf-8")
-
-
-def run(code):
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
-
-
-@pytest.mark.parametrize(
-    "name", ["symjax", "symjax.cli", *(f"symjax.{name}" for name in WITHOUT_JAX), "symjax.datasets"]
-)
-def test_no_jax_is_imported_before_it_is_needed(name):
-    assert run(f"import sys, {name}; print('jax' in sys.modules)") == "False"
-
-
-def test_importing_everything_leaves_flags_seeds_and_threads_alone():
-    code = """
-import os, numpy as np, jax
-np.random.seed(3)
-before = (jax.config.jax_enable_x64, np.random.get_state()[1].tolist(), dict(os.environ))
-import symjax
-[getattr(symjax, name) for name in symjax.__all__]
-after = (jax.config.jax_enable_x64, np.random.get_state()[1].tolist(), dict(os.environ))
-print(before == after)
-"""
-    assert run(code) == "True"
-
-
-def test_every_public_name_is_there_and_documented():
-    for _ in range(2):
-        for name in symjax.__all__:
-            found = getattr(symjax, name)
-            assert found.__doc__
-            assert isinstance(found, ModuleType) == (name in ("metrics", "samples"))
-    # a function that shares its name with a module would be replaced by it
-    assert callable(symjax.detect)
-    assert callable(symjax.load)
-    with pytest.raises(AttributeError, match="nothing"):
-        symjax.nothing  # noqa: B018
+        text = path.read_text(encoding="utf-8")
+        for other in ("experiments", "notebooks", "tests"):
+            assert f"import {other}" not in text
+            assert f"from {other}" not in text

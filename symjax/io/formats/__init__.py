@@ -1,1 +1,1 @@
-"""symjax/io/formats."""
+"""One reader a file format: bytes in, vertices and faces out."""
