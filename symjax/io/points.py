@@ -6,7 +6,6 @@ has another mirror plane, and nobody would know.
 
 import os
 import stat
-import warnings
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
-from symjax.io import mesh, text
+from symjax.io import mesh, npy, text
 from symjax.io.atomic import replacing
 from symjax.io.formats import gltf, obj_off_stl, pcd, ply
 
@@ -34,7 +33,7 @@ SIGNATURES = {
     b"ply\n": "PLY",
     b"ply\r": "PLY",
     b"OFF": "OFF",
-    b"\x93NUMPY": "NPY",
+    npy.MAGIC: "NPY",
     b"# .PCD": "PCD",
     b"glTF": "GLB",
     b"PK\x03\x04": "ZIP",
@@ -80,7 +79,7 @@ def read_points(
         with np.errstate(invalid="ignore"):
             if suffix in MESHES:
                 return _sampled(MESHES[suffix](path.read_bytes()), num_samples, np.random.default_rng(rng))
-            points, note = _read_npy(path) if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
+            points, note = (npy.read(path, 3), "") if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
         return _taken(points, note)
     except FileFormatError as error:
         raise FileFormatError(f"cannot read {str(path)!r}: {error}{_other_format(path, suffix)}") from error
@@ -121,31 +120,6 @@ def _taken(points: Float[np.ndarray, "n 3"], note: str) -> PointFile:
     if len(points) == 0:
         raise FileFormatError("it holds no points" + (f" ({note})" if note else ""))
     return PointFile(points, f"cloud of {len(points)} points" + (f"; {note}" if note else ""))
-
-
-def _read_npy(path: Path) -> tuple[Float[np.ndarray, "n 3"], str]:
-    """An array of shape (n, 3); mapped, not loaded, until its header is known to tell the truth."""
-    with path.open("rb") as stream:
-        if stream.read(6) != b"\x93NUMPY":
-            raise FileFormatError("no NPY file: it does not start with '\\x93NUMPY'")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            mapped = np.lib.format.open_memmap(path, mode="r")
-    except OSError:
-        raise
-    # NumPy reads the header as Python source: what a damaged one raises is anybody's guess
-    except Exception as error:
-        raise FileFormatError(
-            "its header is damaged, asks for pickled objects, or promises more than is there"
-        ) from error
-    if mapped.dtype.kind not in "fiu":
-        raise FileFormatError(f"an array of {mapped.dtype} is no array of real numbers")
-    if mapped.ndim != 2 or mapped.shape[1] != 3:
-        raise FileFormatError(f"an array of shape {mapped.shape}: (n, 3) expected, one point a row")
-    if mapped.offset + mapped.nbytes != path.stat().st_size:
-        raise FileFormatError(f"{len(mapped)} points are promised, and the file is longer than that")
-    return np.array(mapped, dtype=np.float64, order="C"), ""
 
 
 def _other_format(path: Path, suffix: str) -> str:

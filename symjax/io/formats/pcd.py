@@ -137,9 +137,10 @@ def _read_ascii(body: bytes, header: Header) -> Float[np.ndarray, "n 3"]:
     rows = [row for row in parsing.lines(body) if row.strip()]
     if len(rows) != header.num_points:
         raise FileFormatError(f"the header promises {header.num_points} points, the file holds {len(rows)} rows")
-    last = header.fields[-1].first_number + header.fields[-1].num
-    if rows and len(rows[-1].split()) != last:
-        raise FileFormatError(f"the last row is {parsing.shown(rows[-1])}: {last} numbers expected")
+    size = sum(field.num for field in header.fields)
+    for number, row in enumerate(rows, start=1):
+        if len(row.split()) != size:
+            raise FileFormatError(f"row {number} of its data is {parsing.shown(row)}: {size} numbers expected")
     return parsing.parse(rows, [field.first_number for field in header.axes])
 
 

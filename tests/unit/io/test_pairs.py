@@ -44,6 +44,7 @@ def test_arrays_are_read_as_they_are(ends, tmp_path, dtype):
         ("a.csv", b"1,2,3,4,5,6\n1,2,3,4,5,six\n", "six"),
         ("a.txt", b"1 2 3\0 4 5 6\n", "binary content"),
         ("a.ply", b"ply\n", "pairs are read from .csv, .txt, .xyz, .npy"),
+        ("a.csv", b"1;2,5;3;4;5;6\n1;2.5;3;4;5;6\n", "decimal points and commas"),
         ("a.npy", b"1,2,3,4,5,6\n", "no NPY file"),
         ("a.npy", b"", "no NPY file"),
     ],
@@ -57,7 +58,7 @@ def test_bad_files_are_refused(tmp_path, name, content, why):
 
 def test_arrays_of_another_kind_are_refused(ends, tmp_path):
     path = tmp_path / "pairs.npy"
-    for array in (ends[:, :3], ends[:0], ends.ravel(), ends > 0, ends + 1j):
+    for array in (ends[:, :3], ends.ravel(), ends > 0, ends + 1j):
         np.save(path, array)
         with pytest.raises(FileFormatError, match=r"real numbers of shape \(n, 6\) expected"):
             read_pairs(path)
@@ -66,8 +67,23 @@ def test_arrays_of_another_kind_are_refused(ends, tmp_path):
         read_pairs(path)
     np.save(path, ends)
     path.write_bytes(path.read_bytes()[:-8])
-    with pytest.raises(FileFormatError, match="cut short"):
+    with pytest.raises(FileFormatError, match="promises more than is there"):
         read_pairs(path)
+    np.save(path, ends)
+    path.write_bytes(path.read_bytes() + b"\0")
+    with pytest.raises(FileFormatError, match="20 rows are promised, and the file is longer"):
+        read_pairs(path)
+    np.save(path, ends[:0])
+    with pytest.raises(FileFormatError, match="it holds no pairs"):
+        read_pairs(path)
+
+
+def test_decimal_commas_are_read_where_semicolons_separate_columns(ends, tmp_path):
+    ends = np.vstack([np.arange(6.0), ends])
+    rows = [";".join(map(repr, row)).replace(".", ",") for row in ends.tolist()]
+    (tmp_path / "pairs.csv").write_text("\n".join(["0;1;2;3;4;5", *rows[1:]]))
+    x, y, _ = read_pairs(tmp_path / "pairs.csv")
+    np.testing.assert_array_equal(np.c_[x, y], ends)
 
 
 def test_what_is_no_file_is_refused(tmp_path):

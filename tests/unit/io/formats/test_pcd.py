@@ -173,6 +173,20 @@ def test_headers_are_taken_at_their_word(table, old, new, why):
         pcd.read(data.replace(old, new))
 
 
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_a_header_without_fields_is_refused(encoding):
+    empty = f"FIELDS\nSIZE\nTYPE\nWIDTH 0\nHEIGHT 1\nDATA {encoding}\n".encode()
+    with pytest.raises(FileFormatError, match="no fields x, y and z"):
+        pcd.read(empty + (b"" if encoding == "ascii" else bytes(8)))
+
+
+def test_a_row_of_another_length_is_named(table):
+    lines = as_ascii(table).split(b"\n")
+    lines[-4] = b" ".join(lines[-4].split()[:-1])
+    with pytest.raises(FileFormatError, match=r"row 10 of its data is .*: 7 numbers expected"):
+        pcd.read(b"\n".join(lines))
+
+
 def test_padding_is_zeros_and_nothing_else(table):
     data = as_binary(table)
     assert len(pcd.read(data + b"\0" * 100)[0]) == 12
