@@ -9,8 +9,8 @@ from symjax.geometry.directions import deviation_angle
 from symjax.geometry.distance import offset_error
 from symjax.scale_sweep.optima import Optimum
 from symjax.scale_sweep.sphere_map import COLOURS, colour_index
-from symjax.viz import scene as scenes
-from symjax.viz.plotly_traces import css
+from symjax.viz import colours
+from symjax.viz.colours import css
 
 if TYPE_CHECKING:
     from symjax.geometry.plane import Plane
@@ -95,10 +95,10 @@ def axes() -> dict[str, Any]:
     """The layout's axes of the three panels, over one another."""
     shared = {
         "gridcolor": "rgb(236, 239, 243)",
-        "linecolor": css(scenes.REJECTED),
+        "linecolor": css(colours.REJECTED),
         "zeroline": False,
         "ticks": "outside",
-        "tickcolor": css(scenes.REJECTED),
+        "tickcolor": css(colours.REJECTED),
         "tickfont": {"size": 12},
         "title": {"font": {"size": 13}},
     }

@@ -1,18 +1,16 @@
 """An interactive page of a survey: the optima against σ, and the basin map."""
 
 import os
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symjax.io.atomic import replacing
 from symjax.scale_sweep import optima_panels
 from symjax.scale_sweep.optima import Optimum, optima
 from symjax.scale_sweep.sphere_map import Globe, view
-from symjax.viz import scene as scenes
-from symjax.viz.html import DIV_ID, FONT, PAGE, POLICY
-from symjax.viz.plotly_traces import css
+from symjax.viz import colours
+from symjax.viz.colours import css
+from symjax.viz.page import FONT, write_page
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -40,26 +38,8 @@ def write_html(survey: "Survey", path: str | os.PathLike[str], *, title: str = "
     Raises:
         InvalidArgumentError: the file cannot be written.
     """
-    body = figure(survey).to_html(
-        full_html=False,
-        include_plotlyjs=True,
-        include_mathjax=False,
-        div_id=DIV_ID,
-        default_height="100%",
-        auto_play=False,
-        config={"displaylogo": False, "responsive": True, "plotlyServerURL": "", "displayModeBar": False},
-    )
     notes = (*survey.pairs.notes, NO_BASINS if survey.starts is None else BASINS)
-    page = PAGE.format(
-        title=escape(title),
-        policy=POLICY,
-        font=FONT,
-        faint=css(scenes.FAINT_INK),
-        figure=body,
-        notes=" · ".join(escape(note) for note in notes),
-    )
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+    write_page(figure(survey), path, title=title, notes=notes)
 
 
 def figure(survey: "Survey") -> "Figure":
@@ -95,7 +75,7 @@ def _estimated(survey: "Survey") -> float:
 
 def _lines(survey: "Survey", fraction: float) -> list[dict[str, Any]]:
     """Through all panels, the σ that the globe shows (a band), and the one that is estimated (dotted)."""
-    styles = ((fraction, scenes.STRAY, 7, "solid"), (_estimated(survey), scenes.INK, 1, "dot"))
+    styles = ((fraction, colours.STRAY, 7, "solid"), (_estimated(survey), colours.INK, 1, "dot"))
     return [
         {
             "type": "line",
@@ -108,7 +88,7 @@ def _lines(survey: "Survey", fraction: float) -> list[dict[str, Any]]:
 
 
 def _layout(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[str, Any]:
-    faint = css(scenes.FAINT_INK)
+    faint = css(colours.FAINT_INK)
     options, plane = survey.options, survey.estimated.plane
     number = survey.rank.shape[1]
     normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
@@ -124,7 +104,7 @@ def _layout(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[st
         "title": {
             "text": f"Mirror plane ({normal}) · x = {float(plane.offset):z.6g}"
             f"<br><span style='font-size:15px;color:{faint}'>{told}</span>",
-            "font": {"size": 22, "color": css(scenes.INK)},
+            "font": {"size": 22, "color": css(colours.INK)},
             "x": 0.0,
             "xref": "container",
             "pad": {"l": 24},
@@ -150,7 +130,7 @@ def _heading(text: str, x: float, y: float) -> dict[str, Any]:
         **{"x": x, "xref": "paper", "xanchor": "left", "y": y, "yref": "paper", "yanchor": "bottom"},
         "yshift": 4,
         "showarrow": False,
-        "font": {"size": 14, "color": css(scenes.INK)},
+        "font": {"size": 14, "color": css(colours.INK)},
     }
 
 
@@ -169,7 +149,7 @@ def _slider(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[st
             }
             for index, (fraction, row) in enumerate(zip(survey.fractions, found, strict=True))
         ],
-        "currentvalue": {"prefix": "σ ", "font": {"size": 15, "color": css(scenes.INK)}, "xanchor": "left"},
+        "currentvalue": {"prefix": "σ ", "font": {"size": 15, "color": css(colours.INK)}, "xanchor": "left"},
         # the labels are sentences: the one at work is enough
         "font": {"color": "rgba(0, 0, 0, 0)"},
         "x": GLOBE + 0.03,

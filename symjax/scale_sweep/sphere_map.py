@@ -3,6 +3,7 @@
 A plane is two opposite points of the sphere, so that any view of half of it shows every plane once.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,21 +11,22 @@ from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
 from symjax.scale_sweep.optima import NOWHERE, Optimum
-from symjax.viz import scene as scenes
-from symjax.viz.plotly_traces import coordinates, css
+from symjax.viz import colours
+from symjax.viz.colours import css
+from symjax.viz.plotly_traces import coordinates
 
 if TYPE_CHECKING:
     from symjax.scale_sweep.run import Survey
 
-COLOURS: tuple[scenes.Rgb, ...] = (
-    scenes.PLANE,
-    scenes.CLOUD,
-    scenes.MIRRORED,
-    scenes.PAIR,
+COLOURS: tuple[colours.Rgb, ...] = (
+    colours.PLANE,
+    colours.CLOUD,
+    colours.MIRRORED,
+    colours.PAIR,
     (132, 94, 194),
     (214, 176, 52),
-    scenes.REJECTED,
-    scenes.INK,
+    colours.REJECTED,
+    colours.INK,
 )
 """Of the best optimum, the next ones, all others, and of starts that have not converged."""
 
@@ -100,7 +102,7 @@ class Globe:
         """The sphere, every triangle in the colour of the nearest start; white where none is near."""
         x, y, z = self._vertices.T.astype(np.float32)
         i, j, k = self._faces.T.astype(np.int32)
-        tints = [tuple(round(TINT * channel + (1 - TINT) * 255) for channel in colour) for colour in COLOURS]
+        tints = [(_tint(red), _tint(green), _tint(blue)) for red, green, blue in COLOURS]
         return {
             "type": "mesh3d",
             **{"x": x, "y": y, "z": z, "i": i, "j": j, "k": k},
@@ -161,7 +163,7 @@ class Globe:
                 "size": size * 2,
                 "color": np.tile(colour_index(rank), 2),
                 **_scale(COLOURS),
-                "line": {"width": 2, "color": css(scenes.INK)},
+                "line": {"width": 2, "color": css(colours.INK)},
                 "opacity": 1.0,
             },
             "text": said * 2,
@@ -192,11 +194,15 @@ def view(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
     }
 
 
-def _scale(colours: Any) -> dict[str, Any]:
+def _scale(steps: Sequence[colours.Rgb]) -> dict[str, Any]:
     """A colour scale of steps: colour k for the number k."""
-    count = len(colours)
-    steps = [[edge / count, css(colour)] for k, colour in enumerate(colours) for edge in (k, k + 1)]
-    return {"colorscale": steps, "cmin": -0.5, "cmax": count - 0.5}
+    count = len(steps)
+    edges = [[edge / count, css(colour)] for k, colour in enumerate(steps) for edge in (k, k + 1)]
+    return {"colorscale": edges, "cmin": -0.5, "cmax": count - 0.5}
+
+
+def _tint(channel: int) -> int:
+    return round(TINT * channel + (1 - TINT) * 255)
 
 
 def _axes() -> dict[str, Any]:
@@ -207,8 +213,8 @@ def _axes() -> dict[str, Any]:
         "mode": "lines+text",
         **dict(zip("xyz", ends.T, strict=True)),
         "text": [label for axis in "xyz" for label in ("", axis, "")],
-        "textfont": {"size": 14, "color": css(scenes.FAINT_INK)},
-        "line": {"color": css(scenes.REJECTED), "width": 3},
+        "textfont": {"size": 14, "color": css(colours.FAINT_INK)},
+        "line": {"color": css(colours.REJECTED), "width": 3},
         "hoverinfo": "skip",
         "showlegend": False,
         "scene": "scene",
@@ -222,7 +228,7 @@ def _estimated(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
         "mode": "markers",
         "name": "normal with σ estimated",
         **dict(zip("xyz", ends.T, strict=True)),
-        "marker": {"symbol": "cross", "size": 6, "color": css(scenes.INK)},
+        "marker": {"symbol": "cross", "size": 6, "color": css(colours.INK)},
         "hovertemplate": "normal with σ estimated<extra></extra>",
         "scene": "scene",
     }

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from symjax.io.atomic import replacing
+from symjax.viz import colours
 from symjax.viz import scene as scenes
-from symjax.viz.plotly_traces import coordinates, css, headlight, pairs_trace, plane_traces, points_trace
+from symjax.viz.colours import css
+from symjax.viz.drawable import Drawable
+from symjax.viz.page import FONT, write_page
+from symjax.viz.plotly_traces import coordinates, headlight, pairs_trace, plane_traces, points_trace
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from symjax.detection.result import Detection
 
 MAX_POINTS = 20_000
 MAX_PAIRS = 1000
@@ -32,10 +34,6 @@ FINE = 0.55
 
 ZOOM = 1.9
 """Length in plotly's units of what is longest in the first view: an orthographic view's size is set by this."""
-
-DIV_ID = "symjax-figure"
-
-FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 LINK_VIEWS = """
 const page = document.getElementById("{plot_id}");
@@ -55,35 +53,9 @@ page.on("plotly_relayout", copy);
 """
 """Turning or zooming one view does it to the other; an orthographic view zooms by its aspect ratio."""
 
-POLICY = "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:"
-"""The browser itself refuses to fetch anything; plotly compiles its drawing code, hence the eval."""
-
-PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-html, body {{ height: 100%; margin: 0; background: #fff; }}
-body {{ display: flex; flex-direction: column; font: 14px {font}; color: {faint}; }}
-main {{ flex: 1; min-height: 420px; }}
-footer {{ padding: 4px 24px 14px; }}
-</style>
-</head>
-<body>
-<main>
-{figure}
-</main>
-<footer>{notes}</footer>
-</body>
-</html>
-"""
-
 
 def write_html(
-    detection: "Detection",
+    detection: Drawable,
     path: str | os.PathLike[str],
     *,
     title: str = "symjax",
@@ -105,36 +77,23 @@ def write_html(
         TooFewPointsError: the detection holds no points.
         InvalidArgumentError: `max_points` or `up` is out of range, or the file cannot be written.
     """
-    body = figure(detection, max_points=max_points, up=up).to_html(
-        full_html=False,
-        include_plotlyjs=True,
-        include_mathjax=False,
-        div_id=DIV_ID,
-        default_height="100%",
-        post_script=LINK_VIEWS,
-        config={
-            "displaylogo": False,
-            "responsive": True,
-            "plotlyServerURL": "",
-            "modeBarButtons": [["toImage", "resetCameraDefault3d"]],
-        },
+    write_page(
+        figure(detection, max_points=max_points, up=up),
+        path,
+        title=title,
+        notes=(f"method {detection.method}", *detection.notes),
+        buttons=["toImage", "resetCameraDefault3d"],
+        script=LINK_VIEWS,
     )
-    notes = " · ".join(escape(str(note)) for note in (f"method {detection.method}", *detection.notes))
-    page = PAGE.format(
-        title=escape(title), policy=POLICY, font=FONT, faint=css(scenes.FAINT_INK), figure=body, notes=notes
-    )
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
 
 
-def figure(
-    detection: "Detection", *, max_points: int = MAX_POINTS, up: Float[np.ndarray, "3"] | None = None
-) -> "Figure":
+def figure(detection: Drawable, *, max_points: int = MAX_POINTS, up: Float[np.ndarray, "3"] | None = None) -> "Figure":
     """A plotly figure of two views: cloud, plane and pairs; and the cloud with its mirror image.
 
-    Pairs that agree with the plane are red, their ends the redder the more they weigh; the others are faint and
-    grey. The legend shows and hides each part, and offers the planes of the other candidates. A cloud very far
-    from the origin is drawn about its own middle, which the axis titles then give.
+    Pairs that agree with the plane, those of the answer's inlier weight or more, are red, their ends the redder the
+    more they weigh; the others are faint and grey. The legend gives the numbers of all of them, shows and hides each
+    part, and offers the planes of the other candidates. A cloud very far from the origin is drawn about its own
+    middle, which the axis titles then give.
 
     Args:
         detection: what `symjax.detect` gave.
@@ -151,29 +110,34 @@ def figure(
     is_distant = bool(np.abs(scene.origin).max() > DISTANT * scene.size)
     shift = np.zeros(3) if is_distant else scene.origin
     light = headlight(scene.cloud, scene.view.toward)
-    accepted = scene.weight >= scenes.ACCEPTED_WEIGHT
     traces = [
-        points_trace(scene.cloud + shift, light, "cloud", scenes.CLOUD, scene="scene", scale=FINE),
-        points_trace(scene.cloud + shift, light, "cloud", scenes.CLOUD, scene="scene2", showlegend=False),
-        points_trace(scene.mirrored + shift, light, "its mirror image", scenes.MIRRORED, scene="scene2"),
-        *plane_traces(scene.quad + shift, "mirror plane", scenes.PLANE),
+        points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene", scale=FINE),
+        points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene2", showlegend=False),
+        points_trace(scene.mirrored + shift, light, "its mirror image", colours.MIRRORED, scene="scene2"),
+        *plane_traces(scene.quad + shift, "mirror plane", colours.PLANE),
     ]
     if len(scene.stray):
         dark = np.ones(len(scene.stray))
         traces.append(
-            points_trace(scene.stray + shift, dark, "left out", scenes.STRAY, scene="scene", scale=STRAY_SCALE)
+            points_trace(scene.stray + shift, dark, "left out", colours.STRAY, scene="scene", scale=STRAY_SCALE)
         )
-    if accepted.any():
-        traces.append(pairs_trace(scene, shift, accepted, "matched pairs", scenes.PAIR, width=3, opacity=1.0))
-    if not accepted.all():
-        traces.append(pairs_trace(scene, shift, ~accepted, "rejected pairs", scenes.REJECTED, width=1, opacity=0.4))
+    if scene.num_inliers:
+        drawn = pairs_trace(
+            scene, shift, scene.is_inlier, scene.num_inliers, "matched pairs", colours.PAIR, width=3, opacity=1.0
+        )
+        traces.append(drawn)
+    if num_rejected := scene.num_pairs - scene.num_inliers:
+        drawn = pairs_trace(
+            scene, shift, ~scene.is_inlier, num_rejected, "rejected pairs", colours.REJECTED, width=1, opacity=0.4
+        )
+        traces.append(drawn)
     for rank, quad in enumerate(scene.others[:MAX_OTHERS], start=2):
         name = f"candidate {rank}, score {detection.candidates[rank - 1].score:.3f}"
-        traces += plane_traces(quad + shift, name, scenes.REJECTED, visible="legendonly")
+        traces += plane_traces(quad + shift, name, colours.REJECTED, visible="legendonly")
     return Figure(data=traces, layout=_layout(detection, scene, shift))
 
 
-def _layout(detection: "Detection", scene: scenes.Scene, shift: Float[np.ndarray, "3"]) -> dict[str, Any]:
+def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, "3"]) -> dict[str, Any]:
     """Headline, legend, and two views of the same box from the same side, without grids."""
     equation, verdict = (escape(line) for line in scenes.headline(detection))
     low, high = scenes.box(scene, np.eye(3))
@@ -202,13 +166,13 @@ def _layout(detection: "Detection", scene: scenes.Scene, shift: Float[np.ndarray
             "showticklabels": False,
             "showspikes": False,
         }
-    faint = css(scenes.FAINT_INK)
+    faint = css(colours.FAINT_INK)
     return {
         "template": "none",
         "font": {"family": FONT, "size": 14, "color": faint},
         "title": {
             "text": f"{equation}<br><span style='font-size:15px;color:{faint}'>{verdict}</span>",
-            "font": {"size": 22, "color": css(scenes.INK)},
+            "font": {"size": 22, "color": css(colours.INK)},
             "x": 0.0,
             "xref": "container",
             "pad": {"l": 24},

@@ -7,7 +7,8 @@ from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
 
 from symjax.geometry.local_frames import local_frames
-from symjax.viz import scene as scenes
+from symjax.viz.colours import PAIR, REJECTED, Rgb, css
+from symjax.viz.scene import Scene
 
 LAMP_NEIGHBOURS = 16
 """Neighbours that give a point the normal by which it is lit."""
@@ -28,7 +29,7 @@ def points_trace(
     points: Float[np.ndarray, "n 3"],
     light: Float[np.ndarray, "n"],
     name: str,
-    colour: scenes.Rgb,
+    colour: Rgb,
     *,
     scale: float = 1.0,
     **options: Any,
@@ -54,7 +55,7 @@ def points_trace(
     }
 
 
-def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: scenes.Rgb, **options: Any) -> list[dict[str, Any]]:
+def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: Rgb, **options: Any) -> list[dict[str, Any]]:
     """A translucent quad and its edge, under one legend entry."""
     shared = {"name": name, "legendgroup": name, "hoverinfo": "skip", "scene": "scene", **options}
     face = {
@@ -79,30 +80,42 @@ def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: scenes.Rgb, 
 
 
 def pairs_trace(
-    scene: scenes.Scene,
+    scene: Scene,
     shift: Float[np.ndarray, "3"],
     chosen: Bool[np.ndarray, "m"],
+    total: int,
     name: str,
-    colour: scenes.Rgb,
+    colour: Rgb,
     *,
     width: float,
     opacity: float,
 ) -> dict[str, Any]:
-    """The chosen pairs as one trace: segments with a gap after each, their ends coloured by weight."""
+    """The chosen pairs as one trace: segments with a gap after each, their ends coloured by weight.
+
+    Args:
+        scene: what is drawn.
+        shift: added to all coordinates.
+        chosen: which of its pairs.
+        total: pairs that they stand for, which the legend gives.
+        name: what the legend calls them.
+        colour: of the segments.
+        width: of the segments.
+        opacity: of segments and ends.
+    """
     gap = np.full((int(chosen.sum()), 3), np.nan)
     ends = np.stack([scene.x[chosen] + shift, scene.y[chosen] + shift, gap], axis=1).reshape(-1, 3)
     weight = np.repeat(scene.weight[chosen], 3)
     return {
         "type": "scatter3d",
         "mode": "lines+markers",
-        "name": f"{name} ({len(gap)})",
+        "name": f"{name} ({total})" if total == len(gap) else f"{name} ({total}, {len(gap)} of them drawn)",
         "scene": "scene",
         **_columns(ends),
         "line": {"color": css(colour), "width": width},
         "marker": {
             "size": 1 + width,
             "color": weight,
-            "colorscale": [[0, css(scenes.REJECTED)], [1, css(scenes.PAIR)]],
+            "colorscale": [[0, css(REJECTED)], [1, css(PAIR)]],
             "cmin": 0,
             "cmax": 1,
             "line": {"width": 0},
@@ -120,8 +133,3 @@ def _columns(points: Float[np.ndarray, "n 3"]) -> dict[str, Float[np.ndarray, "n
 def coordinates(vector: Float[np.ndarray, "3"]) -> dict[str, float]:
     """The vector as plotly writes one."""
     return dict(zip("xyz", vector.tolist(), strict=True))
-
-
-def css(colour: scenes.Rgb, brightness: float = 1.0) -> str:
-    """The colour as style sheets write it."""
-    return "rgb({}, {}, {})".format(*(round(brightness * channel) for channel in colour))

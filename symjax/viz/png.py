@@ -5,7 +5,7 @@ Drawn with Pillow and NumPy alone.
 
 import os
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -13,11 +13,10 @@ from PIL import Image, ImageDraw, ImageFont
 
 from symjax.errors import InvalidArgumentError
 from symjax.io.atomic import replacing
+from symjax.viz import colours
 from symjax.viz import scene as scenes
+from symjax.viz.drawable import Drawable
 from symjax.viz.rasterizer import shaded_discs
-
-if TYPE_CHECKING:
-    from symjax.detection.result import Detection
 
 MAX_POINTS = 300_000
 MAX_PAIRS = 250
@@ -58,7 +57,7 @@ class Panel(NamedTuple):
 
 
 def write_png(
-    detection: "Detection",
+    detection: Drawable,
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] = (1500, 750),
@@ -67,7 +66,8 @@ def write_png(
     """Write the picture of a detection: cloud, plane and pairs on the left, the completed cloud on the right.
 
     The same detection gives the same bytes. The view is chosen from the plane: its normal points sideways,
-    27° off. Pairs are coloured by their L2E weight; those that do not agree with the plane are faint and grey.
+    27° off. Pairs that agree with the plane are red, the firmer the more they weigh; the others are faint
+    and grey.
 
     Args:
         detection: what `symjax.detect` gave.
@@ -85,7 +85,7 @@ def write_png(
 
 
 def draw(
-    detection: "Detection", *, size: tuple[int, int] = (1500, 750), up: Float[np.ndarray, "3"] | None = None
+    detection: Drawable, *, size: tuple[int, int] = (1500, 750), up: Float[np.ndarray, "3"] | None = None
 ) -> Image.Image:
     """The picture as a Pillow image; arguments and errors as for `write_png`."""
     if size[0] < SMALLEST_SIZE[0] or size[1] < SMALLEST_SIZE[1]:
@@ -125,7 +125,7 @@ def _draw_panel(
     """Back to front: what is behind the plane, the plane, what is before it."""
     projected = panel.project(points)
     projected[is_mirrored, 2] -= COINCIDENT * scene.size * panel.scale
-    colours = np.where(is_mirrored[:, None], scenes.MIRRORED, scenes.CLOUD)
+    paint = np.where(is_mirrored[:, None], colours.MIRRORED, colours.CLOUD)
     facing = 1.0 if scene.plane.normal @ scene.view.toward > 0 else -1.0
     side = facing * scene.plane.signed_distance(points)
     radius = _disc_radius(projected[~is_mirrored], panel)
@@ -139,7 +139,7 @@ def _draw_panel(
             _draw_plane(canvas, panel, scene.quad)
         discs, covered = shaded_discs(
             projected[here],
-            colours[here],
+            paint[here],
             radius,
             size=scene.size * panel.scale,
             depths=(far, near),
@@ -156,7 +156,7 @@ def _draw_stray(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 
     """Small faint dots behind everything."""
     brush = ImageDraw.Draw(canvas)
     for x, y in panel.pixels(points):
-        brush.circle((x, y), SUPERSAMPLING, fill=scenes.STRAY)
+        brush.circle((x, y), SUPERSAMPLING, fill=colours.STRAY)
 
 
 def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
@@ -170,8 +170,8 @@ def _draw_plane(canvas: Image.Image, panel: Panel, quad: Float[np.ndarray, "4 3"
     """The quad, translucent, with a firm edge."""
     brush = ImageDraw.Draw(canvas, "RGBA")
     corners = panel.pixels(quad)
-    brush.polygon(corners, fill=(*scenes.PLANE, round(255 * PLANE_OPACITY)))
-    brush.line([*corners, corners[0]], fill=(*scenes.PLANE, 235), width=2 * SUPERSAMPLING, joint="curve")
+    brush.polygon(corners, fill=(*colours.PLANE, round(255 * PLANE_OPACITY)))
+    brush.line([*corners, corners[0]], fill=(*colours.PLANE, 235), width=2 * SUPERSAMPLING, joint="curve")
 
 
 def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: float) -> None:
@@ -180,7 +180,7 @@ def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: fl
     ends = np.stack([scene.x, scene.y])
     heights = sign * np.stack([scene.plane.signed_distance(end) for end in ends])
     for i in np.argsort(scene.weight, kind="stable"):
-        colour, opacity = _pair_paint(float(scene.weight[i]))
+        colour, opacity = _pair_paint(float(scene.weight[i]), bool(scene.is_inlier[i]))
         above = heights[:, i] >= 0
         if not above.any():
             continue
@@ -194,13 +194,9 @@ def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: fl
             brush.ellipse((column - dot, row - dot, column + dot, row + dot), fill=(*colour, min(255, opacity + 60)))
 
 
-def _pair_paint(weight: float) -> tuple[scenes.Rgb, int]:
-    """Colour and opacity (0 to 255) of a pair: grey and faint at weight 0, red and firm at 1."""
-    red, green, blue = (
-        round(rejected + weight * (kept - rejected))
-        for rejected, kept in zip(scenes.REJECTED, scenes.PAIR, strict=True)
-    )
-    return (red, green, blue), round(70 + 150 * weight)
+def _pair_paint(weight: float, is_inlier: bool) -> tuple[colours.Rgb, int]:
+    """Colour and opacity (0 to 255) of a pair."""
+    return (colours.PAIR, round(100 + 120 * weight)) if is_inlier else (colours.REJECTED, 70)
 
 
 @lru_cache(maxsize=8)
@@ -215,13 +211,13 @@ def _write_text(
     width, height = size
     margin = round(28 * unit)
     equation, verdict = headline
-    brush.text((margin, 20 * unit), equation, fill=scenes.INK, font=_font(round(30 * unit)))
-    brush.text((margin, 62 * unit), verdict, fill=scenes.FAINT_INK, font=_font(round(20 * unit)))
+    brush.text((margin, 20 * unit), equation, fill=colours.INK, font=_font(round(30 * unit)))
+    brush.text((margin, 62 * unit), verdict, fill=colours.FAINT_INK, font=_font(round(20 * unit)))
     legends = (
-        [(scenes.CLOUD, "cloud"), (scenes.PLANE, "mirror plane")]
-        + ([(scenes.PAIR, "matched pairs"), (scenes.REJECTED, "rejected")] if len(scene.weight) else [])
-        + ([(scenes.STRAY, "left out")] if len(scene.stray) else []),
-        [(scenes.CLOUD, "cloud"), (scenes.MIRRORED, "its mirror image")],
+        [(colours.CLOUD, "cloud"), (colours.PLANE, "mirror plane")]
+        + ([(colours.PAIR, "matched pairs"), (colours.REJECTED, "rejected")] if len(scene.weight) else [])
+        + ([(colours.STRAY, "left out")] if len(scene.stray) else []),
+        [(colours.CLOUD, "cloud"), (colours.MIRRORED, "its mirror image")],
     )
     font = _font(round(18 * unit))
     middle, dot = height - 26 * unit, 6 * unit
@@ -230,5 +226,5 @@ def _write_text(
         for colour, label in legend:
             brush.rectangle((column, middle - dot, column + 2 * dot, middle + dot), fill=colour)
             column += 20 * unit
-            brush.text((column, middle), label, fill=scenes.FAINT_INK, font=font, anchor="lm")
+            brush.text((column, middle), label, fill=colours.FAINT_INK, font=font, anchor="lm")
             column += brush.textlength(label, font=font) + 26 * unit

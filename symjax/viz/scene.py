@@ -1,29 +1,13 @@
-"""What the page and the picture of a detection share: view, plane's quad, colours, headline."""
+"""What the page and the picture of a detection share: view, plane's quad, pairs, headline."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-
-if TYPE_CHECKING:
-    from symjax.detection.result import Detection
-    from symjax.geometry.plane import Plane
-
-Rgb = tuple[int, int, int]
-
-CLOUD = (58, 118, 196)
-MIRRORED = (238, 136, 44)
-PLANE = (38, 158, 140)
-PAIR = (196, 32, 66)
-REJECTED = (150, 156, 166)
-STRAY = (206, 210, 217)
-INK = (31, 41, 55)
-FAINT_INK = (107, 114, 128)
-
-ACCEPTED_WEIGHT = np.exp(-7.815 / 2)
-"""Pairs below this L2E weight are drawn as rejected: 95 % of a Gaussian in space of scale σ has more."""
+from symjax.geometry.plane import Plane
+from symjax.viz.drawable import Drawable
 
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
 """Turn of the view about the up direction, and its lift: both halves and the plane's face are seen."""
@@ -53,7 +37,22 @@ class View(NamedTuple):
 class Scene(NamedTuple):
     """A detection ready to draw, about `origin`, so that a distant cloud keeps its digits.
 
-    `stray` are the points that were left out: outliers, or a floor.
+    Attributes:
+        origin: middle of the cloud, in the given coordinates.
+        size: of the cloud, the diagonal of its box.
+        cloud: its points.
+        mirrored: their mirror images.
+        stray: the points that were left out: outliers, or a ground plane.
+        plane: the mirror plane.
+        quad: corners of its part that is shown.
+        others: the same of the other candidates.
+        x: one end of every pair that is drawn.
+        y: the other end.
+        weight: how well these pairs agree with the plane, 0 to 1.
+        is_inlier: which of them count as agreeing.
+        num_inliers: pairs that do, drawn or not.
+        num_pairs: all pairs.
+        view: from where it is seen.
     """
 
     origin: Float[np.ndarray, "3"]
@@ -61,17 +60,20 @@ class Scene(NamedTuple):
     cloud: Float[np.ndarray, "n 3"]
     mirrored: Float[np.ndarray, "n 3"]
     stray: Float[np.ndarray, "s 3"]
-    plane: "Plane"
+    plane: Plane
     quad: Float[np.ndarray, "4 3"]
     others: tuple[Float[np.ndarray, "4 3"], ...]
     x: Float[np.ndarray, "m 3"]
     y: Float[np.ndarray, "m 3"]
     weight: Float[np.ndarray, "m"]
+    is_inlier: Bool[np.ndarray, "m"]
+    num_inliers: int
+    num_pairs: int
     view: View
 
 
 def build(
-    detection: "Detection",
+    detection: Drawable,
     *,
     max_points: int,
     max_pairs: int,
@@ -107,7 +109,9 @@ def build(
     cloud = points - origin
     plane = _moved(detection.plane, origin)
     axes = _axes_within(plane, cloud, up)
-    chosen = thin(np.arange(len(detection.pairs.weight)), max_pairs)
+    weight = np.asarray(detection.pairs.weight)
+    is_inlier = weight >= detection.inlier_weight
+    chosen = thin(np.arange(len(weight)), max_pairs)
     return Scene(
         origin=origin,
         size=size,
@@ -122,12 +126,15 @@ def build(
         ),
         x=np.asarray(detection.pairs.x)[chosen] - origin,
         y=np.asarray(detection.pairs.y)[chosen] - origin,
-        weight=np.asarray(detection.pairs.weight)[chosen],
+        weight=weight[chosen],
+        is_inlier=is_inlier[chosen],
+        num_inliers=int(is_inlier.sum()),
+        num_pairs=len(weight),
         view=_view(axes),
     )
 
 
-def headline(detection: "Detection") -> tuple[str, str]:
+def headline(detection: Drawable) -> tuple[str, str]:
     """The plane's equation, and a sentence on how far to trust it. ASCII but for the middle dot."""
     normal = ", ".join(f"{component:z.4f}" for component in np.asarray(detection.plane.normal))
     verdict = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
@@ -165,14 +172,14 @@ def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray,
     return np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
 
 
-def _moved(plane: "Plane", origin: Float[np.ndarray, "3"]) -> "Plane":
+def _moved(plane: Plane, origin: Float[np.ndarray, "3"]) -> Plane:
     """The same plane in coordinates taken from `origin`."""
     normal = np.asarray(plane.normal, dtype=np.float64)
     return plane._replace(normal=normal, offset=np.asarray(plane.offset) - normal @ origin)
 
 
 def _axes_within(
-    plane: "Plane", cloud: Float[np.ndarray, "n 3"], up: Float[np.ndarray, "3"] | None
+    plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Float[np.ndarray, "3"] | None
 ) -> Float[np.ndarray, "2 3"]:
     """Axes of the plane along the cloud's shortest and longest spread in it, or across and along `up`."""
     if up is not None:
@@ -194,7 +201,7 @@ def _pointing_forward(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
 
 
 def _quad(
-    plane: "Plane", axes: Float[np.ndarray, "2 3"], cloud: Float[np.ndarray, "n 3"], size: float
+    plane: Plane, axes: Float[np.ndarray, "2 3"], cloud: Float[np.ndarray, "n 3"], size: float
 ) -> Float[np.ndarray, "4 3"]:
     """Corners, in order around, of the plane's part that spans the cloud."""
     low, high = reach(cloud @ axes.T)

@@ -75,6 +75,7 @@ def test_the_evidence_is_consistent(detection, cloud):
     residual = np.linalg.norm(detection.mirror(pairs.x) - pairs.y, axis=1) / (detection.sigma * detection.diagonal)
     np.testing.assert_allclose(pairs.weight, np.exp(-0.5 * residual**2), atol=1e-9)
     assert pairs.weight.mean() == pytest.approx(detection.score)
+    assert detection.inlier_fraction == np.mean(pairs.weight >= detection.inlier_weight)
     assert detection.inlier_fraction == pytest.approx((residual < 2.7955).mean())
     assert detection.candidates[0].plane is detection.plane
     scores = [candidate.score for candidate in detection.candidates]

@@ -1,13 +1,18 @@
 """The interactive page: one file that fetches nothing, escapes what it is given, and shows the detection."""
 
+import re
 import subprocess
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
+from symjax.viz import html
+from symjax.viz.drawable import Drawable
 from symjax.viz.html import figure, write_html
 from tests.helpers.detections import blob, detection_of
 
@@ -133,7 +138,7 @@ def test_quad_lies_in_the_plane_and_spans_the_cloud(rng, up):
 
 def test_pairs_are_told_apart_by_weight(rng):
     points = blob(rng)
-    detection = detection_of(points, weights=(1.0, 0.4, 0.001, 0.9, 0.0))
+    detection = detection_of(points, weights=(1.0, 0.4, 0.001, 0.9, 0.0), inlier_weight=0.4)
     fig = figure(detection)
     (matched,), (rejected,) = named(fig, "matched pairs"), named(fig, "rejected pairs")
     assert matched.name == "matched pairs (3)"
@@ -143,6 +148,39 @@ def test_pairs_are_told_apart_by_weight(rng):
     np.testing.assert_allclose(segments[:, 0], points[[0, 1, 3]], atol=1e-12)
     np.testing.assert_allclose(segments[:, 1], detection.mirror(points[[0, 1, 3]]), atol=1e-12)
     assert np.isnan(segments[:, 2]).all()
+
+
+def drawn_and_written(fig, start):
+    """Segments of the pairs that are drawn, and the number of pairs that the legend gives."""
+    (trace,) = named(fig, start)
+    return len(coordinates(trace)) // 3, int(re.search(r"\((\d+)", trace.name)[1])
+
+
+@pytest.mark.parametrize("inlier_weight", [0.02, 0.5, 0.9])
+def test_the_pairs_that_are_drawn_as_matched_are_those_that_the_answer_counts(rng, inlier_weight):
+    weights = rng.random(300)
+    detection = detection_of(blob(rng), weights=weights, inlier_weight=inlier_weight)
+    num_inliers = int(np.sum(weights >= inlier_weight))
+    fig = figure(detection)
+    assert drawn_and_written(fig, "matched pairs") == (num_inliers, num_inliers)
+    assert drawn_and_written(fig, "rejected pairs") == (300 - num_inliers, 300 - num_inliers)
+
+
+def test_the_legend_counts_the_pairs_that_are_not_drawn_too(rng, monkeypatch):
+    monkeypatch.setattr(html, "MAX_PAIRS", 100)
+    weights = rng.random(300)
+    fig = figure(detection_of(blob(rng), weights=weights))
+    drawn, written = drawn_and_written(fig, "matched pairs")
+    assert written == np.sum(weights >= 0.5)
+    assert drawn + drawn_and_written(fig, "rejected pairs")[0] == 100
+    assert f"{drawn} of them drawn" in named(fig, "matched pairs")[0].name
+
+
+def test_anything_with_a_plane_and_pairs_is_drawn(rng):
+    detection = detection_of(blob(rng), weights=(1.0, 0.0))
+    names = [name for name in vars(Drawable) if not name.startswith("_")]
+    other = SimpleNamespace(**{name: getattr(detection, name) for name in names})
+    assert figure(other) == figure(detection)
 
 
 def test_no_pairs_and_no_plane_still_draw(rng):
@@ -220,3 +258,8 @@ def test_drawing_imports_neither_jax_nor_plotly():
     code = "import sys, symjax.viz.html, symjax.viz.png; print({'jax', 'plotly'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_drawing_knows_no_detection():
+    for path in Path(html.__file__).parent.glob("*.py"):
+        assert "symjax.detection" not in path.read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-from symjax.viz import scene as scenes
+from symjax.viz import colours
 from symjax.viz.png import draw, write_png
 from symjax.viz.rasterizer import shaded_discs
 from tests.helpers.detections import blob, detection_of
@@ -45,8 +45,8 @@ def test_every_part_is_seen_in_its_panel(rng):
     pixels = np.asarray(draw(detection_of(points, weights=(1.0,) * 60)), dtype=float)[96:690]
     left, right = pixels[:, :750], pixels[:, 750:]
     for panel, expected in (
-        (left, {scenes.CLOUD: True, scenes.PLANE: True, scenes.PAIR: True, scenes.MIRRORED: False}),
-        (right, {scenes.CLOUD: True, scenes.PLANE: True, scenes.PAIR: False, scenes.MIRRORED: True}),
+        (left, {colours.CLOUD: True, colours.PLANE: True, colours.PAIR: True, colours.MIRRORED: False}),
+        (right, {colours.CLOUD: True, colours.PLANE: True, colours.PAIR: False, colours.MIRRORED: True}),
     ):
         for colour, seen in expected.items():
             share = share_of(panel, colour)
@@ -59,7 +59,7 @@ def test_rejected_pairs_are_faint(rng):
         np.asarray(draw(detection_of(points, weights=weights), size=SMALL), dtype=float)[60:260, :300]
         for weights in ((1.0,) * 40, (0.0,) * 40, ())
     )
-    assert share_of(red, scenes.PAIR) > 10 * share_of(grey, scenes.PAIR)
+    assert share_of(red, colours.PAIR) > 10 * share_of(grey, colours.PAIR)
     assert 0 < np.abs(grey - none).mean() < np.abs(red - none).mean()
 
 
@@ -90,14 +90,14 @@ def test_every_cloud_draws(points):
     normal = np.array([0.6, 0.0, 0.8])
     offset = normal @ np.median(points, axis=0)
     image = np.asarray(draw(detection_of(points, normal=normal, offset=offset), size=SMALL), dtype=float)
-    assert share_of(image[40:270, :300], scenes.PLANE) > 0.005
-    assert share_of(image[40:270, :300], scenes.CLOUD) > 1e-4
+    assert share_of(image[40:270, :300], colours.PLANE) > 0.005
+    assert share_of(image[40:270, :300], colours.CLOUD) > 1e-4
 
 
 def test_coplanar_cloud_in_its_own_plane(rng):
     points = rng.normal(size=(300, 3)) * (1, 1, 0)
     image = np.asarray(draw(detection_of(points, normal=(0.0, 0.0, 1.0), offset=0.0), size=SMALL), dtype=float)
-    assert share_of(image[40:270, :300], scenes.CLOUD) > 0.005
+    assert share_of(image[40:270, :300], colours.CLOUD) > 0.005
 
 
 def test_not_found_is_said(rng):
@@ -114,7 +114,7 @@ def test_up_points_up(rng):
     points = np.stack([*(rng.normal(size=(2, 4000)) * np.where(height > 0.5, 0.3, 0.03)), height], axis=1)
     for sign in (1, -1):
         image = draw(detection_of(points, normal=(1.0, 0.0, 0.0), offset=0.0), size=SMALL, up=(0, 0, sign))
-        blue = np.asarray(image, dtype=float)[40:270, :300] - np.array(scenes.CLOUD)
+        blue = np.asarray(image, dtype=float)[40:270, :300] - np.array(colours.CLOUD)
         rows = np.sum(np.linalg.norm(blue, axis=-1) < 60, axis=1)
         upper, lower = np.split(rows, 2)
         assert (upper.sum() > lower.sum()) == (sign > 0)

@@ -1,0 +1,17 @@
+"""The colours of all pictures."""
+
+Rgb = tuple[int, int, int]
+
+CLOUD = (58, 118, 196)
+MIRRORED = (238, 136, 44)
+PLANE = (38, 158, 140)
+PAIR = (196, 32, 66)
+REJECTED = (150, 156, 166)
+STRAY = (206, 210, 217)
+INK = (31, 41, 55)
+FAINT_INK = (107, 114, 128)
+
+
+def css(colour: Rgb, brightness: float = 1.0) -> str:
+    """The colour as style sheets write it."""
+    return "rgb({}, {}, {})".format(*(round(brightness * channel) for channel in colour))
