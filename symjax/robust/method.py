@@ -70,7 +70,7 @@ class Robust:
             verdict = judge(ranked, around, local, cells)
         rows = np.flatnonzero(of_first.counts > 0)
         pairs = np.stack([rows, of_first.partner[rows]], axis=1)
-        share, counts = of_first.share[rows], of_first.counts[rows]
+        share = of_first.share[rows]
         return MethodResult(
             candidates=ranked[:max_planes],
             planes=verdict.planes[:max_planes],
@@ -81,7 +81,7 @@ class Robust:
             rows=pairs,
             weight=share,
             inlier_weight=INLIER_SHARE,
-            inlier_fraction=float(counts[share >= INLIER_SHARE].sum() / max(counts.sum(), 1e-12)),
+            inlier_fraction=float(np.sum(share >= INLIER_SHARE) / max(len(rows), 1)),
             sigma=first.sigma,
             converged=bool(np.asarray(first.solution.result == RESULTS.successful)),
             message=str(sentence(first.solution.result)),

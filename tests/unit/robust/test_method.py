@@ -110,6 +110,7 @@ def test_pairs_are_given_points_that_the_plane_mirrors_onto_each_other(cloud, de
     assert off[pairs.weight > 0.5].max() < 4
     assert np.median(off[pairs.weight > 0.5]) < 1
     assert 0 < detection.inlier_fraction <= 1
+    assert detection.inlier_fraction == np.mean(detection.pairs.weight >= detection.inlier_weight)
     assert (pairs.weight > 0.5).mean() > 0.8
 
 
