@@ -83,13 +83,13 @@ def command(
         from symjax.l2e.xarray_export import require_xarray
         from symjax.scale_sweep import export, summary
         from symjax.scale_sweep.pairs import cloud_pairs, given_pairs
-        from symjax.scale_sweep.run import Options, survey
+        from symjax.scale_sweep.run import Options, scale_sweep
 
         if out is not None and out.suffix.lower() == ".nc":
             require_xarray()
         stage("preparing")
         pairs = (given_pairs if is_pairs else cloud_pairs)(*read, nonfinite=nonfinite)
-        found = survey(pairs, fractions, Options(**chosen), stage=stage, advance=advance)
+        found = scale_sweep(pairs, fractions, Options(**chosen), stage=stage, advance=advance)
         if out is not None:
             stage(f"writing {out}")
             export.write(found, out)

@@ -1,4 +1,4 @@
-"""A survey as files that other programs read."""
+"""A scale sweep as files that other programs read."""
 
 import csv
 import os
@@ -9,7 +9,7 @@ import numpy as np
 
 from symjax.io.atomic import replacing
 from symjax.l2e.xarray_export import dataset
-from symjax.scale_sweep.run import Survey
+from symjax.scale_sweep.run import ScaleSweep
 
 if TYPE_CHECKING:
     import xarray
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 AXES = "xyz"
 
 
-def write(survey: Survey, path: str | os.PathLike[str]) -> None:
+def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
     """Write every fit: as netCDF if the name ends in .nc, else as CSV.
 
     Raises:
@@ -26,26 +26,26 @@ def write(survey: Survey, path: str | os.PathLike[str]) -> None:
     target = Path(path)
     with replacing(target) as temporary:
         if target.suffix.lower() == ".nc":
-            as_dataset(survey).to_netcdf(temporary, engine="scipy")
+            as_dataset(sweep).to_netcdf(temporary, engine="scipy")
         else:
-            _write_csv(survey, temporary)
+            _write_csv(sweep, temporary)
 
 
-def as_dataset(survey: Survey) -> "xarray.Dataset":
+def as_dataset(sweep: ScaleSweep) -> "xarray.Dataset":
     """`Fit.to_xarray` of the fits, with σ as a fraction of the diagonal, the starts, and the ranks of the optima."""
-    lanes = ("sigma", "restart")
-    data = dataset(survey.fits).assign_coords(
-        fraction=("sigma", survey.fractions, {"long_name": "sigma as a fraction of the diagonal", "units": "1"})
+    each = ("sigma", "restart")
+    data = dataset(sweep.fits).assign_coords(
+        fraction=("sigma", sweep.fractions, {"long_name": "sigma as a fraction of the diagonal", "units": "1"})
     )
-    data["rank"] = (lanes, survey.rank, {"long_name": "rank by loss of the optimum reached, 0 the best, -1 none"})
-    if survey.starts is not None:
-        data["start_normal"] = ((*lanes, "xyz"), survey.starts.normal, {"long_name": "unit normal of the start"})
-        data["start_offset"] = (lanes, survey.starts.offset, {"long_name": "offset of the start"})
-    found = survey.estimated
+    data["rank"] = (each, sweep.rank, {"long_name": "rank by loss of the optimum reached, 0 the best, -1 none"})
+    if sweep.starts is not None:
+        data["start_normal"] = ((*each, "xyz"), sweep.starts.normal, {"long_name": "unit normal of the start"})
+        data["start_offset"] = (each, sweep.starts.offset, {"long_name": "offset of the start"})
+    found = sweep.estimated
     data.attrs |= {
-        "diagonal": survey.pairs.diagonal,
-        "num_pairs": len(survey.pairs.x),
-        **{name: int(value) if isinstance(value, bool) else value for name, value in survey.options._asdict().items()},
+        "diagonal": sweep.pairs.diagonal,
+        "num_pairs": len(sweep.pairs.x),
+        **{name: int(value) if isinstance(value, bool) else value for name, value in sweep.options._asdict().items()},
         "estimated_sigma": float(found.sigma),
         "estimated_normal": found.plane.normal,
         "estimated_offset": float(found.plane.offset),
@@ -54,25 +54,25 @@ def as_dataset(survey: Survey) -> "xarray.Dataset":
     return data
 
 
-def _write_csv(survey: Survey, path: Path) -> None:
+def _write_csv(sweep: ScaleSweep, path: Path) -> None:
     """One row a fit."""
-    fits, shape = survey.fits, survey.rank.shape
+    fits, shape = sweep.fits, sweep.rank.shape
     columns: dict[str, Any] = {
         "sigma": fits.sigma,
-        "fraction": np.broadcast_to(survey.fractions[:, None], shape),
+        "fraction": np.broadcast_to(sweep.fractions[:, None], shape),
         "restart": np.broadcast_to(np.arange(shape[1]), shape),
         **{f"normal_{axis}": fits.plane.normal[..., i] for i, axis in enumerate(AXES)},
         "offset": fits.plane.offset,
         "loss": fits.loss,
         "converged": np.asarray(fits.converged).astype(int),
-        "rank": survey.rank,
+        "rank": sweep.rank,
         "num_steps": fits.num_steps,
         "grad_norm": fits.grad_norm,
         "inlier_fraction": fits.inlier_fraction,
     }
-    if survey.starts is not None:
-        columns |= {f"start_normal_{axis}": survey.starts.normal[..., i] for i, axis in enumerate(AXES)}
-        columns["start_offset"] = survey.starts.offset
+    if sweep.starts is not None:
+        columns |= {f"start_normal_{axis}": sweep.starts.normal[..., i] for i, axis in enumerate(AXES)}
+        columns["start_offset"] = sweep.starts.offset
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(columns)

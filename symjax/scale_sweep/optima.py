@@ -41,10 +41,10 @@ def optima(planes: Plane, loss: Float[np.ndarray, "r"], rank: Int[np.ndarray, "r
     """
     found = []
     for number in range(rank.max() + 1):
-        lanes = np.flatnonzero(rank == number)
-        lane = lanes[np.argmin(loss[lanes])]
-        plane = Plane(planes.normal[lane], planes.offset[lane])
-        found.append(Optimum(plane, float(loss[lane]), len(lanes) / len(rank)))
+        members = np.flatnonzero(rank == number)
+        best = members[np.argmin(loss[members])]
+        plane = Plane(planes.normal[best], planes.offset[best])
+        found.append(Optimum(plane, float(loss[best]), len(members) / len(rank)))
     return found
 
 

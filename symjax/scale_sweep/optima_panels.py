@@ -1,4 +1,4 @@
-"""The optima of a survey against σ: how far from the estimated plane, and how good."""
+"""The optima of a scale sweep against σ: how far from the estimated plane, and how good."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from symjax.viz.colours import css
 
 if TYPE_CHECKING:
     from symjax.geometry.plane import Plane
-    from symjax.scale_sweep.run import Survey
+    from symjax.scale_sweep.run import ScaleSweep
 
 LEAST = 1e-3
 """Where the logarithmic axes end, in degrees and in per cent of the diagonal: nearer planes are drawn there."""
@@ -35,21 +35,21 @@ SIGMAS = {value * 10.0**power: f"{value * 10.0**power:g}" for power in range(-6,
 """Ticks."""
 
 
-def traces(survey: "Survey", found: list[list[Optimum]]) -> list[dict[str, Any]]:
+def traces(sweep: "ScaleSweep", found: list[list[Optimum]]) -> list[dict[str, Any]]:
     """For each panel a line through the best plane of every σ, and a dot for every optimum.
 
-    A dot has the colour of its rank, as on the globe, and is the larger the more starts reach it.
+    A dot has the colour of its rank, as on the sphere map, and is the larger the more starts reach it.
 
     Args:
-        survey: what is drawn.
+        sweep: what is drawn.
         found: the distinct optima at every σ.
     """
     # the best last, so that it is drawn above the others
     dots = [
         (index, rank, optimum) for index, row in enumerate(found) for rank, optimum in reversed(list(enumerate(row)))
     ]
-    fractions = survey.fractions[[index for index, _, _ in dots]]
-    planes = survey.best.plane._replace(
+    fractions = sweep.fractions[[index for index, _, _ in dots]]
+    planes = sweep.best.plane._replace(
         normal=np.reshape([optimum.plane.normal for _, _, optimum in dots], (-1, 3)),
         offset=np.array([optimum.plane.offset for _, _, optimum in dots]),
     )
@@ -61,17 +61,17 @@ def traces(survey: "Survey", found: list[list[Optimum]]) -> list[dict[str, Any]]
         "opacity": 0.9,
     }
     said = [
-        f"σ {survey.fractions[index]:.4g}, optimum {rank + 1} of {len(found[index])}<br>"
+        f"σ {sweep.fractions[index]:.4g}, optimum {rank + 1} of {len(found[index])}<br>"
         f"{optimum.share:.1%} of the starts, loss {optimum.loss:.6g}"
         for index, rank, optimum in dots
     ]
-    lines = _heights(survey, survey.best.plane, np.asarray(survey.best.loss), survey.fractions)
+    lines = _heights(sweep, sweep.best.plane, np.asarray(sweep.best.loss), sweep.fractions)
     drawn: list[dict[str, Any]] = []
-    for number, heights in enumerate(zip(lines, _heights(survey, planes, loss, fractions), strict=True), start=1):
+    for number, heights in enumerate(zip(lines, _heights(sweep, planes, loss, fractions), strict=True), start=1):
         line, dot = ({"type": "scatter", "xaxis": f"x{number}", "yaxis": f"y{number}", "y": y} for y in heights)
         stroke = {"color": css(COLOURS[0]), "width": 2}
         drawn += [
-            {**line, "mode": "lines", "x": survey.fractions, "line": stroke, "hoverinfo": "skip"},
+            {**line, "mode": "lines", "x": sweep.fractions, "line": stroke, "hoverinfo": "skip"},
             {**dot, "mode": "markers", "x": fractions, "marker": marker, "text": said, "hovertemplate": _TOLD},
         ]
     return [{**trace, "showlegend": False} for trace in drawn]
@@ -81,10 +81,10 @@ _TOLD = "%{text}<br>%{y:.4g}<extra></extra>"
 
 
 def _heights(
-    survey: "Survey", planes: "Plane", loss: Float[np.ndarray, "k"], fractions: Float[np.ndarray, "k"]
+    sweep: "ScaleSweep", planes: "Plane", loss: Float[np.ndarray, "k"], fractions: Float[np.ndarray, "k"]
 ) -> list[Float[np.ndarray, "k"]]:
     """Of planes, what the three panels show."""
-    truth, pairs = survey.estimated.plane, survey.pairs
+    truth, pairs = sweep.estimated.plane, sweep.pairs
     angle = np.asarray(deviation_angle(planes.normal, truth.normal))
     distance = np.asarray(offset_error(planes, truth, pairs.centre, pairs.diagonal))
     unit = (4 * np.pi * (fractions * pairs.diagonal) ** 2) ** 1.5

@@ -1,4 +1,4 @@
-"""An interactive page of a survey: the optima against σ, and the basin map."""
+"""An interactive page of a scale sweep: the optima against σ, and the basin map."""
 
 import os
 from typing import TYPE_CHECKING, Any
@@ -7,7 +7,7 @@ import numpy as np
 
 from symjax.scale_sweep import optima_panels
 from symjax.scale_sweep.optima import Optimum, optima
-from symjax.scale_sweep.sphere_map import Globe, view
+from symjax.scale_sweep.sphere_map import SphereMap, view
 from symjax.viz import colours
 from symjax.viz.colours import css
 from symjax.viz.page import FONT, write_page
@@ -15,10 +15,10 @@ from symjax.viz.page import FONT, write_page
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from symjax.scale_sweep.run import Survey
+    from symjax.scale_sweep.run import ScaleSweep
 
-GLOBE, GLOBE_END = 0.49, 0.9
-"""Where the globe begins and ends, in widths of the page; the legend is beside it."""
+SPHERE, SPHERE_END = 0.49, 0.9
+"""Where the sphere map begins and ends, in widths of the page; the legend is beside it."""
 
 BASINS = (
     "Every mirror plane is two opposite points of the sphere, so that half of it, seen from any side, shows them all. "
@@ -27,22 +27,22 @@ BASINS = (
 NO_BASINS = "A continuation follows planes from one σ to the next: the sphere shows optima (diamonds), and no basins"
 
 
-def write_html(survey: "Survey", path: str | os.PathLike[str], *, title: str = "symjax sweep") -> None:
+def write_html(sweep: "ScaleSweep", path: str | os.PathLike[str], *, title: str = "symjax sweep") -> None:
     """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
 
     Args:
-        survey: what `symjax.scale_sweep.run.survey` gave.
+        sweep: what `symjax.scale_sweep.run.scale_sweep` gave.
         path: file to write; it is replaced if it exists.
         title: the page's title, as plain text.
 
     Raises:
         InvalidArgumentError: the file cannot be written.
     """
-    notes = (*survey.pairs.notes, NO_BASINS if survey.starts is None else BASINS)
-    write_page(figure(survey), path, title=title, notes=notes)
+    notes = (*sweep.pairs.notes, NO_BASINS if sweep.starts is None else BASINS)
+    write_page(figure(sweep), path, title=title, notes=notes)
 
 
-def figure(survey: "Survey") -> "Figure":
+def figure(sweep: "ScaleSweep") -> "Figure":
     """A plotly figure: three panels against σ on the left, the basin map with a slider for σ on the right.
 
     The slider begins at the σ nearest to the estimated one; it also moves a band through the panels.
@@ -50,32 +50,32 @@ def figure(survey: "Survey") -> "Figure":
     from plotly.graph_objects import Figure  # a good part of a second, for those who draw
 
     found = [
-        optima(survey.fits.plane._replace(normal=normal, offset=offset), loss, rank)
-        for normal, offset, loss, rank in zip(*survey.fits.plane, survey.fits.loss, survey.rank, strict=True)
+        optima(sweep.fits.plane._replace(normal=normal, offset=offset), loss, rank)
+        for normal, offset, loss, rank in zip(*sweep.fits.plane, sweep.fits.loss, sweep.rank, strict=True)
     ]
-    globe = Globe(survey, found)
-    first = int(np.argmin(np.abs(np.log(survey.fractions / _estimated(survey)))))
-    still = [*optima_panels.traces(survey, found), *globe.fixed()]
+    sphere = SphereMap(sweep, found)
+    first = int(np.argmin(np.abs(np.log(sweep.fractions / _estimated(sweep)))))
+    still = [*optima_panels.traces(sweep, found), *sphere.fixed()]
     frames = [
         {
             "name": str(index),
-            "data": globe.changes(index),
+            "data": sphere.changes(index),
             "traces": list(range(len(still), len(still) + 3)),
-            "layout": {"shapes": _lines(survey, fraction)},
+            "layout": {"shapes": _lines(sweep, fraction)},
         }
-        for index, fraction in enumerate(survey.fractions)
+        for index, fraction in enumerate(sweep.fractions)
     ]
-    return Figure(data=[*still, *globe.at(first)], layout=_layout(survey, found, first), frames=frames)
+    return Figure(data=[*still, *sphere.at(first)], layout=_layout(sweep, found, first), frames=frames)
 
 
-def _estimated(survey: "Survey") -> float:
+def _estimated(sweep: "ScaleSweep") -> float:
     """σ as estimated, as a fraction of the diagonal."""
-    return float(survey.estimated.sigma) / survey.pairs.diagonal
+    return float(sweep.estimated.sigma) / sweep.pairs.diagonal
 
 
-def _lines(survey: "Survey", fraction: float) -> list[dict[str, Any]]:
-    """Through all panels, the σ that the globe shows (a band), and the one that is estimated (dotted)."""
-    styles = ((fraction, colours.STRAY, 7, "solid"), (_estimated(survey), colours.INK, 1, "dot"))
+def _lines(sweep: "ScaleSweep", fraction: float) -> list[dict[str, Any]]:
+    """Through all panels, the σ that the sphere map shows (a band), and the one that is estimated (dotted)."""
+    styles = ((fraction, colours.STRAY, 7, "solid"), (_estimated(sweep), colours.INK, 1, "dot"))
     return [
         {
             "type": "line",
@@ -87,14 +87,14 @@ def _lines(survey: "Survey", fraction: float) -> list[dict[str, Any]]:
     ]
 
 
-def _layout(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[str, Any]:
+def _layout(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict[str, Any]:
     faint = css(colours.FAINT_INK)
-    options, plane = survey.options, survey.estimated.plane
-    number = survey.rank.shape[1]
+    options, plane = sweep.options, sweep.estimated.plane
+    number = sweep.rank.shape[1]
     normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
     told = (
-        f"σ estimated: {_estimated(survey):.4g} of the diagonal; {float(survey.estimated.inlier_fraction):.0%} of "
-        f"{len(survey.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
+        f"σ estimated: {_estimated(sweep):.4g} of the diagonal; {float(sweep.estimated.inlier_fraction):.0%} of "
+        f"{len(sweep.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
         f"({options.start}) at each of {len(found)} σ, solver {options.solver}"
     )
     headings = [(name, 0.0, optima_panels.top(number)) for number, name in enumerate(optima_panels.NAMES, start=1)]
@@ -116,10 +116,10 @@ def _layout(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[st
             "bgcolor": "rgba(255, 255, 255, 0.6)",
         },
         "hovermode": "closest",
-        "scene": {**view(np.asarray(plane.normal)), "domain": {"x": [GLOBE, GLOBE_END], "y": [0.1, 1.0]}},
-        "sliders": [_slider(survey, found, first)],
-        "shapes": _lines(survey, survey.fractions[first]),
-        "annotations": [_heading(*heading) for heading in (*headings, ("where the starts end", GLOBE + 0.03, 1.0))],
+        "scene": {**view(np.asarray(plane.normal)), "domain": {"x": [SPHERE, SPHERE_END], "y": [0.1, 1.0]}},
+        "sliders": [_slider(sweep, found, first)],
+        "shapes": _lines(sweep, sweep.fractions[first]),
+        "annotations": [_heading(*heading) for heading in (*headings, ("where the starts end", SPHERE + 0.03, 1.0))],
         **optima_panels.axes(),
     }
 
@@ -134,10 +134,10 @@ def _heading(text: str, x: float, y: float) -> dict[str, Any]:
     }
 
 
-def _slider(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[str, Any]:
+def _slider(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict[str, Any]:
     """A step for every σ."""
     at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
-    share = np.asarray(survey.fits.converged).mean(axis=1)
+    share = np.asarray(sweep.fits.converged).mean(axis=1)
     return {
         "active": first,
         "steps": [
@@ -147,12 +147,12 @@ def _slider(survey: "Survey", found: list[list[Optimum]], first: int) -> dict[st
                 "method": "animate",
                 "args": [[str(index)], at_once],
             }
-            for index, (fraction, row) in enumerate(zip(survey.fractions, found, strict=True))
+            for index, (fraction, row) in enumerate(zip(sweep.fractions, found, strict=True))
         ],
         "currentvalue": {"prefix": "σ ", "font": {"size": 15, "color": css(colours.INK)}, "xanchor": "left"},
         # the labels are sentences: the one at work is enough
         "font": {"color": "rgba(0, 0, 0, 0)"},
-        "x": GLOBE + 0.03,
-        "len": 0.97 - GLOBE,
+        "x": SPHERE + 0.03,
+        "len": 0.97 - SPHERE,
         "y": 0.1,
     }

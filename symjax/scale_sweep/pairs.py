@@ -1,4 +1,4 @@
-"""The pairs of a survey, with the size that σ is a fraction of."""
+"""The pairs of a scale sweep, with the size that σ is a fraction of."""
 
 from typing import Literal, NamedTuple
 
@@ -9,11 +9,12 @@ from symjax.errors import DegenerateCloudError, TooFewPointsError
 from symjax.preprocess.cloud import prepare
 from symjax.preprocess.validation import finite_rows
 from symjax.symhks.correspondences import MIN_PAIRS, correspondences
+from symjax.symhks.method import SymHKS
 
 Nonfinite = Literal["raise", "drop"]
 
 
-class SurveyPairs(NamedTuple):
+class SweepPairs(NamedTuple):
     """Putative mirror pairs.
 
     Attributes:
@@ -31,7 +32,7 @@ class SurveyPairs(NamedTuple):
     notes: tuple[str, ...]
 
 
-def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise") -> SurveyPairs:
+def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise") -> SweepPairs:
     """The correspondences of a cloud by Sym-HKS, those of `detect(method="sym-hks")`.
 
     Args:
@@ -41,16 +42,17 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
     Raises:
         SymjaxError: a cloud that has no correspondences; the subclass says why.
     """
-    cloud = prepare(points, nonfinite=nonfinite)
-    matches = correspondences(cloud.points)
+    method = SymHKS()
+    cloud = prepare(points, nonfinite=nonfinite, drop_outliers=method.drops_outliers)
+    matches = correspondences(cloud.points, options=method)
     ends = points[cloud.rows[matches.rows]]
     notes = (f"{len(ends)} pairs by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
-    return SurveyPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
+    return SweepPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
 
 
 def given_pairs(
     x: Float[np.ndarray, "n 3"], y: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise"
-) -> SurveyPairs:
+) -> SweepPairs:
     """Pairs that are known.
 
     Args:
@@ -76,4 +78,4 @@ def given_pairs(
     unit = (ends - centre) / extent
     axes = np.linalg.svd(unit, full_matrices=False)[2]
     diagonal = extent * float(np.linalg.norm(np.ptp(unit @ axes.T, axis=0)))
-    return SurveyPairs(x, y, centre, diagonal, (f"{len(x)} pairs given", *notes))
+    return SweepPairs(x, y, centre, diagonal, (f"{len(x)} pairs given", *notes))

@@ -1,4 +1,4 @@
-"""The sweep of a survey, some σ at a time."""
+"""A sweep over σ and starts, some σ at a time."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -13,14 +13,14 @@ from symjax.l2e.fit_plane import MAX_STEPS, fit_global
 from symjax.l2e.starts.initialization import NORMALS
 from symjax.l2e.sweep import sweep
 from symjax.scale_sweep.optima import ranks
-from symjax.scale_sweep.pairs import SurveyPairs
+from symjax.scale_sweep.pairs import SweepPairs
 
-LANES = 1024
+SLOTS = 1024
 """Fits that are computed together, at least: enough to keep the cores busy, and a fraction of a second."""
 
 
 class Options(NamedTuple):
-    """How a survey is made.
+    """How a scale sweep is made.
 
     Attributes:
         start: name of the starts, see `symjax.sweep`.
@@ -37,12 +37,12 @@ class Options(NamedTuple):
     seed: int
 
 
-class Survey(NamedTuple):
+class ScaleSweep(NamedTuple):
     """Fits of one set of pairs for every σ and every start. Planes are in the units of the pairs.
 
     Attributes:
         pairs: the pairs.
-        options: how they were surveyed.
+        options: how they were swept.
         fractions: σ as fractions of the diagonal.
         fits: the fits.
         rank: rank by loss of the optimum that each reached, at its σ (`symjax.scale_sweep.optima`).
@@ -51,7 +51,7 @@ class Survey(NamedTuple):
         estimated: the best fit of all, σ estimated with the plane.
     """
 
-    pairs: SurveyPairs
+    pairs: SweepPairs
     options: Options
     fractions: Float[np.ndarray, "S"]
     fits: Fit
@@ -61,14 +61,14 @@ class Survey(NamedTuple):
     estimated: Fit
 
 
-def survey(
-    pairs: SurveyPairs,
+def scale_sweep(
+    pairs: SweepPairs,
     fractions: Sequence[float],
     options: Options,
     *,
     stage: Callable[[str], None],
     advance: Callable[[int, int], None],
-) -> Survey:
+) -> ScaleSweep:
     """Sweeps pairs over σ and starts, in float64, and looks for the best plane of all.
 
     Args:
@@ -95,11 +95,11 @@ def survey(
             for *planes, loss, converged in zip(*fits.plane, fits.loss, np.asarray(fits.converged), strict=True)
         ]
     )
-    return Survey(pairs, options, np.asarray(fractions, float), fits, rank, starts, winners, estimated)
+    return ScaleSweep(pairs, options, np.asarray(fractions, float), fits, rank, starts, winners, estimated)
 
 
 def _swept(
-    pairs: SurveyPairs,
+    pairs: SweepPairs,
     sigmas: Float[np.ndarray, "S"],
     options: Options,
     stage: Callable[[str], None],
@@ -107,7 +107,7 @@ def _swept(
 ) -> tuple[Plane | None, Fit]:
     """The starts and the fits, from sweeps of one compiled shape."""
     is_whole = options.continuation
-    parts = -(-len(sigmas) * options.restarts // LANES)
+    parts = -(-len(sigmas) * options.restarts // SLOTS)
     size = len(sigmas) if is_whole else -(-len(sigmas) // min(parts, len(sigmas)))
     key = jax.random.key(options.seed) if options.start == "random" else None
 

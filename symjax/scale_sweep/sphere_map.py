@@ -1,4 +1,4 @@
-"""The basin map of a survey: the sphere of normals, each part of it in the colour of the optimum that it leads to.
+"""The basin map of a scale sweep: the sphere of normals, each part of it in the colour of the optimum that it leads to.
 
 A plane is two opposite points of the sphere, so that any view of half of it shows every plane once.
 """
@@ -16,7 +16,7 @@ from symjax.viz.colours import css
 from symjax.viz.plotly_traces import coordinates
 
 if TYPE_CHECKING:
-    from symjax.scale_sweep.run import Survey
+    from symjax.scale_sweep.run import ScaleSweep
 
 COLOURS: tuple[colours.Rgb, ...] = (
     colours.PLANE,
@@ -57,16 +57,16 @@ def colour_index(rank: Int[np.ndarray, "*n"]) -> Int[np.ndarray, "*n"]:
     return np.where(rank == NOWHERE, UNCONVERGED, np.minimum(rank, OTHERS)).astype(np.uint8)
 
 
-class Globe:
+class SphereMap:
     """The traces of the basin map: those that stay, and those that change with σ.
 
     Args:
-        survey: what is drawn.
+        sweep: what is drawn.
         optima: the distinct optima at every σ.
     """
 
-    def __init__(self, survey: "Survey", optima: list[list[Optimum]]) -> None:
-        self._survey, self._optima = survey, optima
+    def __init__(self, sweep: "ScaleSweep", optima: list[list[Optimum]]) -> None:
+        self._sweep, self._optima = sweep, optima
         # trimesh takes a moment to import
         from trimesh.creation import icosphere
 
@@ -77,16 +77,16 @@ class Globe:
 
     def fixed(self) -> list[dict[str, Any]]:
         """Axes, the estimated normal, and the legend."""
-        normal = np.asarray(self._survey.estimated.plane.normal)
-        return [*_legend(colour_index(self._survey.rank)), _estimated(normal), _axes()]
+        normal = np.asarray(self._sweep.estimated.plane.normal)
+        return [*_legend(colour_index(self._sweep.rank)), _estimated(normal), _axes()]
 
     def at(self, index: int) -> list[dict[str, Any]]:
         """Cells, starts and optima, three traces, at the σ of this index."""
-        starts = self._survey.starts
+        starts = self._sweep.starts
         if starts is None:
             normals, rank = np.zeros((0, 3)), np.zeros(0, int)
         else:
-            normals, rank = np.asarray(starts.normal[index]), self._survey.rank[index]
+            normals, rank = np.asarray(starts.normal[index]), self._sweep.rank[index]
         return [self._cells(normals, rank), self._starts(normals, rank), self._marks(self._optima[index])]
 
     def changes(self, index: int) -> list[dict[str, Any]]:
@@ -174,7 +174,7 @@ class Globe:
 
 
 def view(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
-    """The scene: the globe from nearly above the estimated normal."""
+    """The scene: the sphere from nearly above the estimated normal."""
     aside = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     up = np.cross(aside / np.linalg.norm(aside), normal)
     toward = np.cos(TILT) * normal - np.sin(TILT) * up

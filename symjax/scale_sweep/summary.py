@@ -1,4 +1,4 @@
-"""What a person, or a program, reads about a survey."""
+"""What a person, or a program, reads about a scale sweep."""
 
 import math
 from collections.abc import Iterator
@@ -8,30 +8,30 @@ import numpy as np
 
 from symjax.l2e.fit import Fit
 from symjax.scale_sweep.optima import NOWHERE
-from symjax.scale_sweep.run import Survey
+from symjax.scale_sweep.run import ScaleSweep
 
 HEADER = f"{'sigma':>9}  {'normal':^29}  {'offset':>12}  {'loss':>12}  {'converged':>9}  {'optima':>6}  {'inliers':>7}"
 
 
-def lines(survey: Survey) -> Iterator[str]:
+def lines(sweep: ScaleSweep) -> Iterator[str]:
     """A line for every σ, its best plane first, then the σ that is estimated."""
-    pairs, options = survey.pairs, survey.options
+    pairs, options = sweep.pairs, sweep.options
     for note in pairs.notes:
         yield f"{'pairs':<10}{note}"
-    number = survey.rank.shape[1]
+    number = sweep.rank.shape[1]
     starts = f"{number} {'start' if number == 1 else 'starts'} ({options.start}), solver {options.solver}"
     followed = ", each σ from the optima of the last" if options.continuation else ""
-    yield f"{'sweep':<10}{len(survey.fractions)} sigma, {starts}{followed}"
+    yield f"{'sweep':<10}{len(sweep.fractions)} sigma, {starts}{followed}"
     yield f"{'units':<10}sigma in diagonals of {pairs.diagonal:.6g}, normal · x = offset in the units of the points"
     yield ""
     yield HEADER
-    for row in rows(survey):
+    for row in rows(sweep):
         normal = " ".join(f"{_shown(component, '+.6f'):>9}" for component in row["normal"])
         offset, loss = (f"{_shown(row[name], sign):>12}" for name, sign in (("offset", "+.6g"), ("loss", ".6g")))
         inliers = f"{_shown(row['inlier_fraction'], '.3g'):>7}"
         yield f"{row['sigma']:9.5f}  {normal}  {offset}  {loss}  {row['converged']:9.1%}  {row['optima']:6d}  {inliers}"
     yield ""
-    found = survey.estimated
+    found = sweep.estimated
     sigma = float(found.sigma)
     normal = "  ".join(f"{component:+.6f}" for component in found.plane.normal)
     yield f"{'estimated':<10}sigma {sigma / pairs.diagonal:.5f} of the diagonal, {sigma:.4g} in units"
@@ -39,30 +39,30 @@ def lines(survey: Survey) -> Iterator[str]:
     yield f"{'':<10}{float(found.inlier_fraction):.1%} of the pairs are mirror pairs   ({found.message})"
 
 
-def rows(survey: Survey) -> Iterator[dict[str, Any]]:
+def rows(sweep: ScaleSweep) -> Iterator[dict[str, Any]]:
     """Of every σ, the best plane, and how the starts ended; what is not finite is None."""
-    for index, fraction in enumerate(survey.fractions):
-        rank = survey.rank[index]
+    for index, fraction in enumerate(sweep.fractions):
+        rank = sweep.rank[index]
         yield {
             "sigma": float(fraction),
-            **_values(survey.best, index),
+            **_values(sweep.best, index),
             "converged": float(np.mean(rank != NOWHERE)),
             "optima": int(rank.max()) + 1,
         }
 
 
-def as_dict(survey: Survey) -> dict[str, Any]:
-    """The survey as numbers, strings, lists and dictionaries that JSON holds; σ as fractions of the diagonal."""
+def as_dict(sweep: ScaleSweep) -> dict[str, Any]:
+    """The scale sweep as numbers, strings, lists and dictionaries that JSON holds; σ as fractions of the diagonal."""
     return {
-        "num_pairs": len(survey.pairs.x),
-        "notes": list(survey.pairs.notes),
-        "diagonal": survey.pairs.diagonal,
-        **survey.options._asdict(),
-        "sweep": list(rows(survey)),
+        "num_pairs": len(sweep.pairs.x),
+        "notes": list(sweep.pairs.notes),
+        "diagonal": sweep.pairs.diagonal,
+        **sweep.options._asdict(),
+        "sweep": list(rows(sweep)),
         "estimated": {
-            "sigma": _finite(survey.estimated.sigma / survey.pairs.diagonal),
-            **_values(survey.estimated, ()),
-            "converged": bool(survey.estimated.converged),
+            "sigma": _finite(sweep.estimated.sigma / sweep.pairs.diagonal),
+            **_values(sweep.estimated, ()),
+            "converged": bool(sweep.estimated.converged),
         },
     }
 

@@ -29,7 +29,7 @@ SMALL = ("--sigma", "0.01:0.09:3", "--restarts", "8")
 def one_at_a_time(monkeypatch):
     """One σ at a time on the devices that there are, so that the tests compile one sweep."""
     jax.devices()
-    monkeypatch.setattr("symjax.scale_sweep.run.LANES", 8)
+    monkeypatch.setattr("symjax.scale_sweep.run.SLOTS", 8)
 
 
 @pytest.fixture

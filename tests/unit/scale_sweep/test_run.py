@@ -1,4 +1,4 @@
-"""A survey: the sweep of one file's pairs in parts, its optima, and the page that shows them."""
+"""A scale sweep: the fits of one file's pairs in parts, its optima, and the page that shows them."""
 
 import numpy as np
 import pytest
@@ -9,11 +9,11 @@ from symjax.errors import DegenerateCloudError, NonfiniteError, TooFewPointsErro
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 from symjax.l2e import manifolds
-from symjax.scale_sweep import run as surveys
+from symjax.scale_sweep import run
 from symjax.scale_sweep.optima import NOWHERE, optima, ranks
 from symjax.scale_sweep.page import figure, write_html
 from symjax.scale_sweep.pairs import cloud_pairs, given_pairs
-from symjax.scale_sweep.run import Options, survey
+from symjax.scale_sweep.run import Options, scale_sweep
 from symjax.scale_sweep.sphere_map import COLOURS, NAMES, colour_index
 
 NOISE = 0.01
@@ -22,10 +22,12 @@ OPTIONS = Options("fibonacci", 8, "newton", False, 0)
 TRUTH = planted_pairs(np.random.default_rng(7), 240, 0.3, "wide", noise=NOISE)
 
 
-def surveyed(options=OPTIONS, told=None):
+def swept(options=OPTIONS, told=None):
     pairs = given_pairs(TRUTH.x, TRUTH.y)
     told = [] if told is None else told
-    return survey(pairs, FRACTIONS, options, stage=told.append, advance=lambda done, total: told.append((done, total)))
+    return scale_sweep(
+        pairs, FRACTIONS, options, stage=told.append, advance=lambda done, total: told.append((done, total))
+    )
 
 
 TOLD = []
@@ -33,10 +35,10 @@ TOLD = []
 
 @pytest.fixture(scope="module")
 def found():
-    """A survey of one σ at a time."""
+    """A scale sweep of one σ at a time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(surveys, "LANES", 8)
-        return surveyed(told=TOLD)
+        patch.setattr(run, "SLOTS", 8)
+        return swept(told=TOLD)
 
 
 def test_the_planted_plane_is_found_and_sigma_estimated(found):
@@ -69,7 +71,7 @@ def test_starts_are_those_of_the_sweep(found):
 
 
 def test_a_continuation_has_optima_and_no_starts():
-    followed = surveyed(OPTIONS._replace(start="l2", restarts=256, continuation=True))
+    followed = swept(OPTIONS._replace(start="l2", restarts=256, continuation=True))
     assert followed.rank.shape == (3, followed.options.restarts) == (3, 1)
     assert followed.starts is None
     assert (deviation_angle(followed.best.plane.normal, TRUTH.normal) < 3).all()
