@@ -67,10 +67,14 @@ def read_points(
     Raises:
         FileFormatError: the file is missing, unreadable, empty, truncated, of another format than its name says, or
             of one that is not read.
-        InvalidArgumentError: `num_samples` is not positive.
+        InvalidArgumentError: `num_samples` is not positive, or `rng` is no seed.
     """
     if num_samples < 1:
         raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
+    try:
+        generator = np.random.default_rng(rng)
+    except (TypeError, ValueError) as error:
+        raise InvalidArgumentError(f"rng must be a seed, not negative, or a numpy Generator, not {rng!r}") from error
     path = Path(path)
     suffix = path.suffix.lower()
     try:
@@ -78,7 +82,7 @@ def read_points(
         # a signalling NaN warns when it is widened; NaN is for `detect` to judge
         with np.errstate(invalid="ignore"):
             if suffix in MESHES:
-                return _sampled(MESHES[suffix](path.read_bytes()), num_samples, np.random.default_rng(rng))
+                return _sampled(MESHES[suffix](path.read_bytes()), num_samples, generator)
             points, note = (npy.read(path, 3), "") if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
         return _taken(points, note)
     except FileFormatError as error:

@@ -34,7 +34,7 @@ class DrawableCandidate(Protocol):
 
     @property
     def score(self) -> float:
-        """How well the cloud agrees with it, 0 to 1."""
+        """How well the cloud agrees with it, on the method's scale."""
 
 
 class Drawable(Protocol):
@@ -61,8 +61,8 @@ class Drawable(Protocol):
         """Weight from which on a pair agrees with the plane."""
 
     @property
-    def inlier_fraction(self) -> float:
-        """Share of the pairs that agree with the plane."""
+    def inlier_fraction(self) -> float | None:
+        """Share of the pairs that agree with the plane; None without pairs."""
 
     @property
     def found(self) -> bool:
@@ -70,11 +70,11 @@ class Drawable(Protocol):
 
     @property
     def score(self) -> float:
-        """How well the cloud agrees with the plane, 0 to 1."""
+        """How well the cloud agrees with the plane, on the method's scale."""
 
     @property
-    def threshold(self) -> float:
-        """What the score of a mirror plane exceeds."""
+    def threshold(self) -> float | None:
+        """What the score of a mirror plane exceeds; None for a method that has no threshold."""
 
     @property
     def ambiguous(self) -> bool:

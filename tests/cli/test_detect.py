@@ -40,7 +40,7 @@ def fake_detect(
         exactness=None,
         score=0.7,
         threshold=0.3,
-        candidates=(Candidate(PLANE, 0.7),),
+        candidates=(Candidate(PLANE, 0.7, 0.7),),
         pairs=Pairs(points[index[:, 0]], points[index[:, 1]], index, np.array([1.0, 0.5, 0.0])),
         inlier_weight=0.5,
         inlier_fraction=2 / 3,

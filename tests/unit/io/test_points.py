@@ -192,9 +192,13 @@ def test_errors_stay_on_one_line_whatever_the_name(tmp_path):
     assert "\x1b" not in str(caught.value)
 
 
-def test_number_of_samples_is_checked(tmp_path):
+def test_number_of_samples_and_seed_are_checked(tmp_path):
+    path = put(tmp_path, "a.off", off(CUBE, QUADS))
     with pytest.raises(InvalidArgumentError, match="num_samples"):
-        read_points(put(tmp_path, "a.off", off(CUBE, QUADS)), num_samples=0)
+        read_points(path, num_samples=0)
+    for rng in (-1, "a"):
+        with pytest.raises(InvalidArgumentError, match="rng must be a seed"):
+            read_points(path, rng=rng)
 
 
 def test_written_points_come_back(tmp_path, points):

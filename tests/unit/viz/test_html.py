@@ -196,6 +196,11 @@ def test_headline_states_the_plane(rng):
     assert "score 0.600, above the threshold 0.300; 75% of 8 pairs agree" in text
 
 
+def test_a_method_without_threshold_or_pairs_is_drawn(rng):
+    fig = figure(detection_of(blob(rng), threshold=None, inlier_fraction=None))
+    assert "score 0.600<" in fig.layout.title.text
+
+
 def test_many_points_are_thinned_the_same_way_twice(rng):
     detection = detection_of(blob(rng, 5000))
     first, second = (coordinates(figure(detection, max_points=1000).data[0]) for _ in range(2))
