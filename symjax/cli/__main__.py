@@ -1,5 +1,5 @@
 """`python -m symjax.cli`."""
 
-from symjax.cli import main
+from symjax.cli.main import main
 
 main()

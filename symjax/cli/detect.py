@@ -17,16 +17,26 @@ from symjax.detection import summary
 
 if TYPE_CHECKING:
     from symjax.detection.result import Detection
+    from symjax.method.protocol import Method
+
+OWNERS = {"init": "robust", "sigma": "sym-hks", "restarts": "sym-hks"}
+"""The method that each option belongs to, of those that belong to one."""
 
 
 @click.command("detect", context_settings={"show_default": True})
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--method", type=click.Choice(["robust", "sym-hks"]), default="robust", help="How the plane is found.")
-@click.option("--remove-floor", is_flag=True, help="Leave out the plane that the scan stands on.")
-@click.option("--init", type=float, nargs=4, metavar="NX NY NZ D", help="A plane NX x + NY y + NZ z = D to begin with.")
+@click.option("--remove-ground", is_flag=True, help="Leave out the plane that the scan stands on.")
+@click.option(
+    "--init",
+    type=float,
+    nargs=4,
+    metavar="NX NY NZ D",
+    help="A plane NX x + NY y + NZ z = D to begin with (robust).",
+)
 @click.option("--max-planes", type=int, metavar="N", help="Most candidates.  [default: 9]")
-@click.option("--keep-outliers", is_flag=True, help="Do not look for scattered outliers (robust).")
-@click.option("--drop-outliers", is_flag=True, help="Leave out scattered outliers (sym-hks).")
+@click.option("--keep-outliers", is_flag=True, help="Do not look for scattered outliers.  [default: sym-hks]")
+@click.option("--drop-outliers", is_flag=True, help="Leave out scattered outliers.  [default: robust]")
 @options.seed(0, "Seed of everything random.")
 @click.option(
     "--sigma",
@@ -48,6 +58,12 @@ def command(
     as_json: bool,
     samples: int,
     seed: int,
+    nonfinite: Any,
+    method: str,
+    remove_ground: bool,
+    max_planes: int | None,
+    keep_outliers: bool,
+    drop_outliers: bool,
     force: bool,
     cache: bool,
     quiet: bool,
@@ -59,6 +75,10 @@ def command(
     Reads PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled by area.
     """
     outputs = {name: chosen.pop(name) for name in ("html", "png", "mirror", "save")}
+    given = {name: value for name, value in chosen.items() if value is not None}
+    _check_options(method, given)
+    if keep_outliers and drop_outliers:
+        raise click.UsageError("--keep-outliers and --drop-outliers exclude each other: give one of them")
     with one_line_errors(debug), progress(quiet) as (announce, _):
         check_outputs(outputs, force, file, endings={"mirror": (".ply",)})
         announce("reading")
@@ -69,16 +89,18 @@ def command(
         reading = perf_counter() - start
         announce("starting JAX")
         start_jax(cache=cache)
-        from symjax.detection import detect
+        from symjax.detection.detect import MAX_PLANES, detect
 
-        if chosen.pop("keep_outliers"):
-            chosen["drop_outliers"] = False
-        elif not chosen["drop_outliers"]:
-            chosen["drop_outliers"] = None
-        if chosen["init"] is not None:
-            chosen["init"] = (chosen["init"][:3], chosen["init"][3])
-        given = {name: value for name, value in chosen.items() if value is not None}
-        detection = detect.detect(points, rng=seed, progress=announce, **given)
+        detection = detect(
+            points,
+            _method(method, given),
+            rng=seed,
+            nonfinite=nonfinite,
+            drop_outliers=drop_outliers if keep_outliers or drop_outliers else None,
+            remove_ground=remove_ground,
+            max_planes=MAX_PLANES if max_planes is None else max_planes,
+            progress=announce,
+        )
         _write(detection, outputs, announce)
     if as_json:
         head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
@@ -90,6 +112,30 @@ def command(
     for path in outputs.values():
         if path is not None:
             click.echo(f"{'written':<10}{path}")
+
+
+def _check_options(method: str, given: dict[str, Any]) -> None:
+    """Refuses an option of another method."""
+    for name in given:
+        if (owner := OWNERS[name]) != method:
+            raise click.UsageError(f"--{name} is an option of method {owner}, not of {method}: use --method {owner}")
+
+
+def _method(name: str, given: dict[str, Any]) -> "Method":
+    """The method with its options."""
+    if name == "sym-hks":
+        from symjax.symhks.method import SymHKS
+
+        return SymHKS(**given)
+    import numpy as np
+
+    from symjax.geometry.plane import Plane
+    from symjax.robust.method import Robust
+
+    if "init" not in given:
+        return Robust()
+    *normal, offset = given["init"]
+    return Robust(init=Plane(np.array(normal), np.array(offset)))
 
 
 def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:

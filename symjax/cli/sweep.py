@@ -13,14 +13,11 @@ from symjax.cli.outputs import check_outputs
 from symjax.cli.progress import progress
 from symjax.cli.sigmas import Sigmas
 from symjax.cli.start import start_jax
+from symjax.l2e.names import SOLVERS, STARTS
 
 if TYPE_CHECKING:
     import numpy as np
     from jaxtyping import Float
-
-# not imported from where they are defined: that would start JAX
-SOLVERS = ("newton", "mm", "joint", "alternating")
-STARTS = ("fibonacci", "hypotheses", "random", "rga", "pca", "l2")
 
 
 @click.command("sweep", context_settings={"show_default": True})

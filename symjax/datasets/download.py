@@ -63,7 +63,7 @@ def require_pooch() -> None:
     if find_spec("pooch") is None:
         raise InvalidArgumentError(
             'a download needs pooch, which is not installed: pip install "pooch>=1.8", '
-            'or symjax with its extra, pip install ".[samples]" in the checkout'
+            'or symjax with its extra, pip install ".[datasets]" in the checkout'
         )
 
 

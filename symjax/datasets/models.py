@@ -39,7 +39,7 @@ class Model(NamedTuple):
 def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Generator = 0) -> Model:
     """A real model; its original is downloaded on first use and kept in the user's cache folder.
 
-    Needs pooch (the extra `samples`), and the internet the first time. The file is the one whose plane is known:
+    Needs pooch (the extra `datasets`), and the internet the first time. The file is the one whose plane is known:
     another sha256 is refused.
 
     Args:

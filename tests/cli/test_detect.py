@@ -1,31 +1,28 @@
 """The command line: what it prints, what it writes, and how it fails. The detection itself is a stand-in here."""
 
 import json
-import subprocess
-import sys
 import warnings
 
 import numpy as np
 import pytest
 
 import symjax
-from symjax import cli
+from symjax.cli.main import main
 from symjax.cli.progress import CHECKING
 from symjax.detection import detect
 from symjax.detection.result import Candidate, Detection, Pairs
 from symjax.errors import ComponentsWarning, DegenerateCloudError
 from symjax.geometry.plane import Plane
 from symjax.io.points import read_points, write_points
-from symjax.symhks.method import RESTARTS
+from symjax.robust.method import Robust
+from symjax.symhks.method import SymHKS
 
 PLANE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.25))
 STAGES = ("preparing", "fitting")
 
 
-def fake_detect(
-    points, method="robust", *, rng=0, sigma=0.03, restarts=64, nonfinite="raise", progress=None, **options
-):
-    """What `detect` would give for a cloud whose mirror plane is x = 0.25."""
+def fake_detect(points, method, *, rng, nonfinite, drop_outliers, remove_ground, max_planes, progress):
+    """What `detect` would give for a cloud whose mirror plane is x = 0.25; its notes are the arguments."""
     for stage in STAGES:
         progress(stage)
     index = np.array([[0, 1], [2, 3], [4, 5]])
@@ -46,14 +43,17 @@ def fake_detect(
         inlier_fraction=2 / 3,
         converged=True,
         message="The gradient is zero to the tolerance.",
-        method=method,
-        sigma=sigma,
+        method=method.name,
+        sigma=0.03,
         diagonal=2.0,
         seed=rng,
         num_points=len(points),
         used=np.arange(len(points)),
         cleaned=False,
-        notes=(f"restarts {restarts}, nonfinite {nonfinite}", *(f"{k} {v}" for k, v in options.items() if v)),
+        notes=(
+            f"nonfinite {nonfinite}, drop_outliers {drop_outliers}, remove_ground {remove_ground}, "
+            f"max_planes {max_planes}, {method}",
+        ),
         timings=dict.fromkeys(STAGES, 0.5),
         points=points,
     )
@@ -71,44 +71,6 @@ def fake(monkeypatch):
     monkeypatch.setattr(detect, "detect", fake_detect)
 
 
-@pytest.fixture
-def run(capsys):
-    """Runs the command and gives its exit status, stdout and stderr."""
-
-    def call(*arguments):
-        with pytest.raises(SystemExit) as ended:
-            cli.main([str(argument) for argument in arguments])
-        return ended.value.code or 0, *capsys.readouterr()
-
-    return call
-
-
-def modules_after(*arguments):
-    """Exit status and the modules imported by a run of the command in a fresh interpreter."""
-    code = (
-        "import sys\nfrom symjax import cli\n"
-        "try: cli.main(sys.argv[1:])\n"
-        "finally: print('MODULES', *sorted(sys.modules), file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
-    return done.returncode, set(done.stderr.rsplit("MODULES", 1)[1].split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "absent"),
-    [
-        (["--help"], 0, {"jax", "scipy", "trimesh", "plotly", "numpy"}),
-        (["detect", "--help"], 0, {"jax", "scipy", "trimesh", "plotly", "numpy"}),
-        (["--version"], 0, {"jax", "scipy", "trimesh", "plotly", "numpy"}),
-        (["detect", "nowhere.ply"], 2, {"jax", "scipy", "trimesh", "plotly"}),
-    ],
-)
-def test_help_and_file_errors_import_nothing_slow(arguments, status, absent):
-    returned, modules = modules_after(*arguments)
-    assert returned == status
-    assert not absent & modules
-
-
 def test_text_has_the_plane_and_what_to_think_of_it(run, fake, scan):
     status, out, err = run("detect", scan, "--quiet")
     assert (status, err) == (0, "")
@@ -119,38 +81,42 @@ def test_text_has_the_plane_and_what_to_think_of_it(run, fake, scan):
     assert "score 0.700, above the threshold 0.300" in lines["found"]
     assert lines["inliers"] == "66.7% of 3 pairs"
     assert "The gradient is zero" in lines["converged"]
-    assert lines["note"] == "restarts 64, nonfinite raise"
+    expected = "nonfinite raise, drop_outliers None, remove_ground False, max_planes 9"
+    assert lines["note"] == f"{expected}, {Robust()}"
     assert "cloud of 60 points" in lines["file"]
     assert "preparing 0.50" in lines["seconds"]
 
 
 def test_json_is_one_object_and_nothing_else(run, fake, scan):
-    status, out, _ = run("detect", scan, "--json", "--seed", 7, "--sigma", 0.05)
+    status, out, _ = run("detect", scan, "--json", "--seed", 7)
     values = json.loads(out)
     assert status == 0
     assert out.count("\n") == 1
     assert values["plane"] == {"normal": [1.0, 0.0, 0.0], "offset": 0.25}
-    assert (values["seed"], values["sigma"]) == (7, 0.05)
+    assert (values["seed"], values["sigma"]) == (7, 0.03)
     assert values["file"] == str(scan)
     assert values["reading"]["note"] == "cloud of 60 points"
 
 
 def test_options_reach_detect(run, fake, scan):
-    _, out, _ = run("detect", scan, "--restarts", 5, "--nonfinite", "drop")
-    assert "restarts 5, nonfinite drop" in out
+    _, out, _ = run("detect", scan, "--nonfinite", "drop", "--remove-ground", "--max-planes", 3)
+    assert "nonfinite drop, drop_outliers None, remove_ground True, max_planes 3" in out
+    assert "drop_outliers True" in run("detect", scan, "--drop-outliers")[1]
+    assert "drop_outliers False" in run("detect", scan, "--keep-outliers")[1]
 
 
-def test_options_of_the_robust_method_reach_detect(run, fake, scan):
-    _, out, _ = run("detect", scan, "--init", 1, 0, 0, 0.5, "--remove-floor", "--max-planes", 3)
-    assert "init ((1.0, 0.0, 0.0), 0.5)" in out
-    assert "remove_ground True" in out
-    assert "max_planes 3" in out
-    assert "drop_outliers" not in out
+def test_options_reach_the_method(run, fake, scan):
+    init = Plane(np.array([0.6, 0.0, 0.8]), np.array(0.5))
+    assert str(Robust(init=init)) in run("detect", scan, "--init", 0.6, 0, 0.8, 0.5)[1]
+    _, out, _ = run("detect", scan, "--method", "sym-hks", "--restarts", 5, "--sigma", 0.05)
+    assert str(SymHKS(restarts=5, sigma=0.05)) in out
 
 
-def test_help_states_the_default_of_detect(run):
+def test_help_states_the_choices_and_defaults_of_detect(run):
     _, out, _ = run("detect", "--help")
-    assert f"[default: {RESTARTS}]" in out
+    assert f"[{'|'.join(detect.METHODS)}]" in out
+    assert f"[default: {SymHKS().restarts}]" in out
+    assert f"[default: {SymHKS().sigma_spacings:g} keypoint spacings]" in " ".join(out.split())
     assert f"[default: {detect.MAX_PLANES}]" in out
 
 
@@ -203,7 +169,7 @@ def test_outputs_that_cannot_be_are_refused_before_the_work(run, scan, tmp_path,
 
 
 def test_errors_are_one_line_and_status_2(run, scan, tmp_path, monkeypatch):
-    def degenerate(points, **options):
+    def degenerate(points, method, **options):
         raise DegenerateCloudError("all points\ncoincide")
 
     monkeypatch.setattr(detect, "detect", degenerate)
@@ -216,8 +182,11 @@ def test_errors_are_one_line_and_status_2(run, scan, tmp_path, monkeypatch):
         (["detect"], "Missing argument 'FILE'"),
         (["detect", scan, "--colour"], "No such option"),
         (["detect", scan, "--seed", -1], "--seed"),
-        (["mirror"], "No such command"),
-        (["demo", "--out", tmp_path / "none"], "there is no folder"),
+        (["detect", scan, "--keep-outliers", "--drop-outliers"], "exclude each other"),
+        (["detect", scan, "--sigma", 0.05], "--sigma is an option of method sym-hks, not of robust"),
+        (["detect", scan, "--restarts", 5], "use --method sym-hks"),
+        (["detect", scan, "--method", "sym-hks", "--init", 1, 0, 0, 0], "--init is an option of method robust"),
+        (["detect", scan, "--method", "sym-hks", "--sigma", -1], "sigma must be positive"),
     ]:
         status, out, err = run(*arguments)
         assert (status, out) == (2, "")
@@ -227,19 +196,19 @@ def test_errors_are_one_line_and_status_2(run, scan, tmp_path, monkeypatch):
 
 
 def test_debug_shows_the_traceback(scan, monkeypatch):
-    def degenerate(points, **options):
+    def degenerate(points, method, **options):
         raise DegenerateCloudError("all points coincide")
 
     monkeypatch.setattr(detect, "detect", degenerate)
     with pytest.raises(DegenerateCloudError, match="coincide"):
-        cli.main(["detect", str(scan), "--debug"])
+        main(["detect", str(scan), "--debug"])
 
 
 def test_warnings_are_one_line_each(run, scan, monkeypatch):
-    def warns(points, **options):
+    def warns(points, method, **options):
         for _ in range(2):
             warnings.warn("the graph is in\n2 pieces", ComponentsWarning, stacklevel=1)
-        return fake_detect(points, **options)
+        return fake_detect(points, method, **options)
 
     monkeypatch.setattr(detect, "detect", warns)
     status, _, err = run("detect", scan)
@@ -277,23 +246,3 @@ def test_a_cache_that_cannot_be_made_is_one_line(run, fake, scan, tmp_path, monk
     assert (status, out) == (2, "")
     assert err.startswith("symjax: error: cannot keep compiled programs (--cache)")
     assert err.count("\n") == 1
-
-
-def test_no_arguments_show_the_help(run):
-    status, out, err = run()
-    assert (status, err) == (0, "")
-    assert "Commands:" in out
-
-
-def test_the_demo_finds_its_own_plane(run, tmp_path):
-    status, out, err = run("demo", "--out", tmp_path, "--quiet")
-    assert (status, err) == (0, "")
-    error = next(line for line in out.splitlines() if line.startswith("error")).split()
-    assert float(error[1]) < 5
-    assert float(error[4].rstrip("%")) < 3
-    for name in ("demo.html", "demo.png"):
-        assert (tmp_path / name).stat().st_size > 1000
-        assert str(tmp_path / name) in out
-    status, out, err = run("demo", "--out", tmp_path)
-    assert (status, out) == (2, "")
-    assert "use --force" in err

@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import subprocess
 import sys
 
 import click
@@ -11,12 +10,12 @@ import jax
 import numpy as np
 import pytest
 
-from symjax import cli, datasets
+from symjax import datasets
 from symjax.cli.sigmas import Sigmas
-from symjax.cli.sweep import SOLVERS, STARTS
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.io.points import write_points
+from symjax.l2e.names import SOLVERS, STARTS
 from symjax.l2e.solvers import registry
 from symjax.l2e.sweep import STARTS as KNOWN_STARTS
 
@@ -40,27 +39,9 @@ def pairs(tmp_path):
 
 
 @pytest.fixture
-def run(capsys):
-    """Runs the command and gives its exit status, stdout and stderr."""
-
-    def call(*arguments):
-        with pytest.raises(SystemExit) as ended:
-            cli.main(["sweep", *(str(argument) for argument in arguments)])
-        return ended.value.code or 0, *capsys.readouterr()
-
-    return call
-
-
-def fresh(code, *arguments, **environment):
-    """Output of a program in a new interpreter."""
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={name: value for name, value in os.environ.items() if name != "XLA_FLAGS"} | environment,
-    )
-    return done.returncode, done.stdout, done.stderr
+def run(run):
+    """Runs `symjax sweep` and gives its exit status, stdout and stderr."""
+    return lambda *arguments: run("sweep", *arguments)
 
 
 def test_a_line_for_every_sigma_and_the_estimated_one(run, pairs):
@@ -211,10 +192,8 @@ def test_choices_are_those_of_the_estimator():
         (["nowhere.csv", "--pairs"], {"jax", "scipy", "trimesh", "plotly", "xarray"}),
     ],
 )
-def test_nothing_slow_is_imported_before_the_file_is_read(arguments, absent):
-    code = "import sys\nfrom symjax import cli\ntry: cli.main(['sweep', *sys.argv[1:]])\nfinally: print(*sys.modules)"
-    _, out, _ = fresh(code, *arguments)
-    assert not absent & set(out.splitlines()[-1].split())
+def test_nothing_slow_is_imported_before_the_file_is_read(modules_after, arguments, absent):
+    assert not absent & modules_after("sweep", *arguments)[1]
 
 
 DEVICES = """
@@ -226,7 +205,7 @@ print(len(jax.devices()))
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the number of cores is not known here")
-def test_every_core_is_a_device_unless_the_user_has_said_otherwise():
+def test_every_core_is_a_device_unless_the_user_has_said_otherwise(fresh):
     cpu, cores = {"JAX_PLATFORMS": "cpu"}, len(os.sched_getaffinity(0))
     program = DEVICES.format("import jax")
     assert fresh(program, **cpu)[1] == f"{cores}\n"
