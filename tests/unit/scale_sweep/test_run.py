@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symjax import datasets, sweep
+from symjax import datasets, detect, sweep
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, NonfiniteError, TooFewPointsError
 from symjax.geometry.directions import deviation_angle
@@ -141,10 +141,13 @@ def test_bad_pairs_are_refused(rng):
         given_pairs(np.ones((5, 3)), np.ones((5, 3)))
 
 
-def test_pairs_of_a_cloud_are_its_points_and_agree_with_its_plane():
+def test_pairs_of_a_cloud_are_those_of_sym_hks_and_agree_with_its_plane():
     rng = np.random.default_rng(3)
     cloud = datasets.pose(datasets.generate("quadruped", num_points=1500, rng=rng), rng)
     pairs = cloud_pairs(cloud.points)
+    detected = detect(cloud.points, "sym-hks").pairs
+    np.testing.assert_array_equal(pairs.x, detected.x)
+    np.testing.assert_array_equal(pairs.y, detected.y)
     rows = {tuple(row) for row in cloud.points}
     assert all(tuple(end) in rows for end in (*pairs.x, *pairs.y))
     truth = Plane(cloud.normals[0], cloud.offsets[0])

@@ -1,0 +1,31 @@
+"""Fixtures of the tests of downloaded models."""
+
+import pytest
+
+from symjax.datasets import MODELS, download
+from tests.helpers.model_server import PRISM, Site, original
+
+
+@pytest.fixture
+def site(monkeypatch):
+    """A server of this test's own; no proxy stands before it."""
+    monkeypatch.setenv("NO_PROXY", "127.0.0.1")
+    monkeypatch.setattr(download, "SCHEME", "http://")
+    site = Site()
+    yield site
+    site.close()
+
+
+@pytest.fixture
+def cache(monkeypatch, tmp_path):
+    """An empty cache folder."""
+    monkeypatch.setenv(download.CACHE, str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def tent(monkeypatch, site):
+    """A mesh in the registry that the server has."""
+    entry = original(site.put("/tent-low-res.obj", PRISM), PRISM)
+    monkeypatch.setitem(MODELS, "tent", entry)
+    return entry
