@@ -35,7 +35,7 @@ def check_outputs(
         elif not path.parent.is_dir():
             why = f"there is no folder {str(path.parent)!r}"
         elif known and path.suffix.lower() not in known:
-            why = f"its ending says the format; end the name in {' or '.join(known)}"
+            why = f"the format follows from the ending; end the name in {' or '.join(known)}"
         if why:
             raise InvalidArgumentError(f"cannot write {str(path)!r} (--{option}): {why}")
         seen.add(path.resolve())

@@ -16,7 +16,7 @@ _COUNT = "symjax: {desc} {n_fmt}/{total_fmt} |{bar}| [{elapsed}, {remaining} lef
 
 
 class Progress(NamedTuple):
-    """Where a command tells how far it is.
+    """Where a command reports its progress.
 
     Attributes:
         stage: called with the name of a stage as it begins.

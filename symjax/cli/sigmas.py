@@ -10,7 +10,7 @@ MOST = 10_000
 
 
 class Sigmas(click.ParamType):
-    """`first:last:count`, in equal ratios; or a list parted by commas. Sorted, no value twice."""
+    """`first:last:count`, in equal ratios; or a list separated by commas. Sorted, no value twice."""
 
     name = "sigmas"
 

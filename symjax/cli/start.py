@@ -30,7 +30,7 @@ def _use_all_cores() -> None:
     import jax
 
     config: Any = jax.config
-    # -1 is JAX's own default; the flag is how it was said before there was an option
+    # -1 is JAX's own default; before there was an option, the flag was the way to set it
     if config.jax_num_cpu_devices != -1 or "host_platform_device_count" in os.environ.get("XLA_FLAGS", ""):
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     type=Sigmas(),
     metavar="FIRST:LAST:COUNT",
     default="0.005:0.2:24",
-    help="Scales of the residual in equal ratios, fractions of the diagonal; or a list parted by commas.",
+    help="Scales of the residual in equal ratios, fractions of the diagonal; or a list separated by commas.",
 )
 @click.option("--restarts", type=click.IntRange(min=1), metavar="N", default=256, help="Starts at every scale.")
 @click.option("--start", type=click.Choice(STARTS), default="fibonacci", help="What they are; the last three are one.")

@@ -60,7 +60,7 @@ def traces(sweep: "ScaleSweep", found: list[list[Optimum]]) -> list[dict[str, An
         "line": {"width": 0.5, "color": "white"},
         "opacity": 0.9,
     }
-    said = [
+    labels = [
         f"σ {sweep.fractions[index]:.4g}, optimum {rank + 1} of {len(found[index])}<br>"
         f"{optimum.share:.1%} of the starts, loss {optimum.loss:.6g}"
         for index, rank, optimum in dots
@@ -72,12 +72,12 @@ def traces(sweep: "ScaleSweep", found: list[list[Optimum]]) -> list[dict[str, An
         stroke = {"color": css(COLOURS[0]), "width": 2}
         drawn += [
             {**line, "mode": "lines", "x": sweep.fractions, "line": stroke, "hoverinfo": "skip"},
-            {**dot, "mode": "markers", "x": fractions, "marker": marker, "text": said, "hovertemplate": _TOLD},
+            {**dot, "mode": "markers", "x": fractions, "marker": marker, "text": labels, "hovertemplate": _HOVER},
         ]
     return [{**trace, "showlegend": False} for trace in drawn]
 
 
-_TOLD = "%{text}<br>%{y:.4g}<extra></extra>"
+_HOVER = "%{text}<br>%{y:.4g}<extra></extra>"
 
 
 def _heights(

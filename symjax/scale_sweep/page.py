@@ -75,7 +75,7 @@ def _estimated(sweep: "ScaleSweep") -> float:
 
 def _lines(sweep: "ScaleSweep", fraction: float) -> list[dict[str, Any]]:
     """Through all panels, the σ that the sphere map shows (a band), and the one that is estimated (dotted)."""
-    styles = ((fraction, colours.STRAY, 7, "solid"), (_estimated(sweep), colours.INK, 1, "dot"))
+    styles = ((fraction, colours.REMOVED, 7, "solid"), (_estimated(sweep), colours.INK, 1, "dot"))
     return [
         {
             "type": "line",
@@ -92,7 +92,7 @@ def _layout(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict
     options, plane = sweep.options, sweep.estimated.plane
     number = sweep.rank.shape[1]
     normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
-    told = (
+    subtitle = (
         f"σ estimated: {_estimated(sweep):.4g} of the diagonal; {float(sweep.estimated.inlier_fraction):.0%} of "
         f"{len(sweep.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
         f"({options.start}) at each of {len(found)} σ, solver {options.solver}"
@@ -103,7 +103,7 @@ def _layout(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict
         "font": {"family": FONT, "size": 13, "color": faint},
         "title": {
             "text": f"Mirror plane ({normal}) · x = {float(plane.offset):z.6g}"
-            f"<br><span style='font-size:15px;color:{faint}'>{told}</span>",
+            f"<br><span style='font-size:15px;color:{faint}'>{subtitle}</span>",
             "font": {"size": 22, "color": css(colours.INK)},
             "x": 0.0,
             "xref": "container",

@@ -40,7 +40,7 @@ SUBDIVISIONS = 5
 """Of the icosahedron that is painted: triangles of 2 degrees."""
 
 REACH, FARTHEST = 1.3, 0.4
-"""A start paints what is within so many spacings of evenly spread starts, and so many radians."""
+"""A start paints what is within this many spacings of evenly spread starts, and within this many radians."""
 
 DOT, LIFT = 1.012, 1.03
 """Radii at which starts and optima are drawn: just above the sphere."""
@@ -119,7 +119,7 @@ class SphereMap:
     def _painted(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> Int[np.ndarray, "f"]:
         if len(normals) == 0:
             return np.full(len(self._middles), EMPTY, np.uint8)
-        # so many starts have half the sphere, of area 2π, to share
+        # the starts share half the sphere, of area 2π
         reach = min(REACH * np.sqrt(2 * np.pi / len(normals)), FARTHEST)
         distance, nearest = cKDTree(np.concatenate([normals, -normals])).query(self._middles)
         painted = colour_index(rank)[nearest % len(normals)]
@@ -149,7 +149,7 @@ class SphereMap:
         normals = np.reshape([optimum.plane.normal for optimum in optima], (-1, 3))
         rank = np.arange(len(optima))
         size = [7 + 11 * float(np.sqrt(optimum.share)) for optimum in optima]
-        said = [
+        labels = [
             f"optimum {number} of {len(optima)}<br>{optimum.share:.1%} of the starts<br>loss {optimum.loss:.6g}"
             for number, optimum in enumerate(optima, start=1)
         ]
@@ -166,7 +166,7 @@ class SphereMap:
                 "line": {"width": 2, "color": css(colours.INK)},
                 "opacity": 1.0,
             },
-            "text": said * 2,
+            "text": labels * 2,
             "hovertemplate": "%{text}<extra></extra>",
             "showlegend": False,
             "scene": "scene",

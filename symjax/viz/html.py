@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 20_000
 MAX_PAIRS = 1000
-STRAY_SCALE = 0.4
-"""Size of the points that were left out, beside those of the surface."""
+REMOVED_SCALE = 0.4
+"""Size of the removed points, as a share of that of the surface's points."""
 
 MAX_OTHERS = 4
 """Candidate planes beside the best that the legend offers."""
@@ -116,10 +116,12 @@ def figure(detection: Drawable, *, max_points: int = MAX_POINTS, up: Float[np.nd
         points_trace(scene.mirrored + shift, light, "its mirror image", colours.MIRRORED, scene="scene2"),
         *plane_traces(scene.quad + shift, "mirror plane", colours.PLANE),
     ]
-    if len(scene.stray):
-        dark = np.ones(len(scene.stray))
+    if len(scene.removed):
+        dark = np.ones(len(scene.removed))
         traces.append(
-            points_trace(scene.stray + shift, dark, "left out", colours.STRAY, scene="scene", scale=STRAY_SCALE)
+            points_trace(
+                scene.removed + shift, dark, "removed points", colours.REMOVED, scene="scene", scale=REMOVED_SCALE
+            )
         )
     if scene.num_inliers:
         drawn = pairs_trace(

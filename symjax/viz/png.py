@@ -107,7 +107,7 @@ def draw(
 
 
 def _fit(scene: scenes.Scene, width: int, height: int) -> Panel:
-    """The largest view of the completed cloud and the quad in a panel of so many pixels."""
+    """The largest view of the completed cloud and the quad in a panel of this size in pixels."""
     low, high = scenes.box(scene, np.stack(scene.view[:2]).T)
     width, height = width * SUPERSAMPLING, height * SUPERSAMPLING
     scale = 0.94 * float(np.min(np.array([width, height]) / np.maximum(high - low, 1e-3 * scene.size)))
@@ -132,7 +132,7 @@ def _draw_panel(
     far, near = np.quantile(projected[:, 2], (0.01, 0.99)).tolist()
     canvas = Image.new("RGB", (panel.width, panel.height), BACKGROUND)
     if pairs:
-        _draw_stray(canvas, panel, scene.stray)
+        _draw_removed(canvas, panel, scene.removed)
     for is_front in (False, True):
         here = (side >= 0) == is_front
         if is_front:
@@ -152,11 +152,11 @@ def _draw_panel(
     return canvas
 
 
-def _draw_stray(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 3"]) -> None:
+def _draw_removed(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 3"]) -> None:
     """Small faint dots behind everything."""
     brush = ImageDraw.Draw(canvas)
     for x, y in panel.pixels(points):
-        brush.circle((x, y), SUPERSAMPLING, fill=colours.STRAY)
+        brush.circle((x, y), SUPERSAMPLING, fill=colours.REMOVED)
 
 
 def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
@@ -216,7 +216,7 @@ def _write_text(
     legends = (
         [(colours.CLOUD, "cloud"), (colours.PLANE, "mirror plane")]
         + ([(colours.PAIR, "matched pairs"), (colours.REJECTED, "rejected")] if len(scene.weight) else [])
-        + ([(colours.STRAY, "left out")] if len(scene.stray) else []),
+        + ([(colours.REMOVED, "removed points")] if len(scene.removed) else []),
         [(colours.CLOUD, "cloud"), (colours.MIRRORED, "its mirror image")],
     )
     font = _font(round(18 * unit))

@@ -17,7 +17,7 @@ OTHERS = {
     "axis": "all planes through an axis are as good",
     "sphere": "all planes through a centre are as good",
 }
-"""What is said of an ambiguous detection, by its symmetry."""
+"""What the headline adds for an ambiguous detection, by its symmetry."""
 
 MARGIN = 1.08
 """The quad reaches this much further than the cloud does."""
@@ -42,7 +42,7 @@ class Scene(NamedTuple):
         size: of the cloud, the diagonal of its box.
         cloud: its points.
         mirrored: their mirror images.
-        stray: the points that were left out: outliers, or a ground plane.
+        removed: the points that were removed: outliers, or a ground plane.
         plane: the mirror plane.
         quad: corners of its part that is shown.
         others: the same of the other candidates.
@@ -59,7 +59,7 @@ class Scene(NamedTuple):
     size: float
     cloud: Float[np.ndarray, "n 3"]
     mirrored: Float[np.ndarray, "n 3"]
-    stray: Float[np.ndarray, "s 3"]
+    removed: Float[np.ndarray, "s 3"]
     plane: Plane
     quad: Float[np.ndarray, "4 3"]
     others: tuple[Float[np.ndarray, "4 3"], ...]
@@ -82,7 +82,7 @@ def build(
     """Thin, centre and frame a detection.
 
     Args:
-        detection: what `symjax.detect` gave. Points that are not finite are left out.
+        detection: what `symjax.detect` gave. Points that are not finite are not drawn.
         max_points: the most points of the cloud that are kept.
         max_pairs: the most pairs that are kept.
         up: what points up in the picture; by default the cloud's longest direction within the plane.
@@ -100,7 +100,7 @@ def build(
     points = given[on_surface]
     if not len(points):
         raise TooFewPointsError("the detection holds no finite point to draw: run detect on the cloud again")
-    stray = thin(given[~on_surface & np.isfinite(given).all(axis=1)], max_points)
+    removed = thin(given[~on_surface & np.isfinite(given).all(axis=1)], max_points)
     points = thin(points, max_points)
     low, high = reach(points)
     origin = (low + high) / 2
@@ -117,7 +117,7 @@ def build(
         size=size,
         cloud=cloud,
         mirrored=np.asarray(plane.reflect(cloud)),
-        stray=stray - origin,
+        removed=removed - origin,
         plane=plane,
         quad=_quad(plane, axes, cloud, size),
         others=tuple(
@@ -138,15 +138,15 @@ def headline(detection: Drawable) -> tuple[str, str]:
     """The plane's equation, and a sentence on how far to trust it. ASCII but for the middle dot."""
     normal = ", ".join(f"{component:z.4f}" for component in np.asarray(detection.plane.normal))
     verdict = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
-    said = f"score {detection.score:.3f}"
+    evidence = f"score {detection.score:.3f}"
     if detection.threshold is not None:
         relation = "above" if detection.score > detection.threshold else "not above"
-        said += f", {relation} the threshold {detection.threshold:.3f}"
+        evidence += f", {relation} the threshold {detection.threshold:.3f}"
     if detection.inlier_fraction is not None:
-        said += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
+        evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
     if detection.ambiguous:
-        said += f"; one of several: {OTHERS[detection.symmetry]}"
-    return f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}", said
+        evidence += f"; one of several: {OTHERS[detection.symmetry]}"
+    return f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}", evidence
 
 
 def thin(rows: np.ndarray, most: int) -> np.ndarray:
@@ -157,7 +157,7 @@ def thin(rows: np.ndarray, most: int) -> np.ndarray:
 
 
 def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "d"], Float[np.ndarray, "d"]]:
-    """Lower and upper corner of the box worth showing: a few stray points far away do not shrink the rest."""
+    """Lower and upper corner of the box worth showing: a few points far away do not shrink the rest."""
     low, high = np.quantile(coordinates, (0.005, 0.995), axis=0)
     slack = 0.5 * (high - low)
     return (
@@ -187,7 +187,9 @@ def _axes_within(
         if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
             raise InvalidArgumentError(f"up must be three numbers, not all zero, got {up!r}")
         along = direction - (direction @ plane.normal) * plane.normal
-        if np.linalg.norm(along) > 1e-3 * np.linalg.norm(direction):  # else up is the normal, and says nothing
+        if np.linalg.norm(along) > 1e-3 * np.linalg.norm(
+            direction
+        ):  # else up is the normal, and gives no direction in the plane
             along /= np.linalg.norm(along)
             return np.stack([_pointing_forward(np.cross(plane.normal, along)), along])
     basis = np.linalg.svd(plane.normal[None, :])[2][1:]
