@@ -117,12 +117,8 @@ def figure(detection: Drawable, *, max_points: int = MAX_POINTS, up: Float[np.nd
         *plane_traces(scene.quad + shift, "mirror plane", colours.PLANE),
     ]
     if len(scene.removed):
-        dark = np.ones(len(scene.removed))
-        traces.append(
-            points_trace(
-                scene.removed + shift, dark, "removed points", colours.REMOVED, scene="scene", scale=REMOVED_SCALE
-            )
-        )
+        points, flat = scene.removed + shift, np.ones(len(scene.removed))
+        traces.append(points_trace(points, flat, "removed points", colours.REMOVED, scene="scene", scale=REMOVED_SCALE))
     if scene.num_inliers:
         drawn = pairs_trace(
             scene, shift, scene.is_inlier, scene.num_inliers, "matched pairs", colours.PAIR, width=3, opacity=1.0

@@ -187,9 +187,8 @@ def _axes_within(
         if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
             raise InvalidArgumentError(f"up must be three numbers, not all zero, got {up!r}")
         along = direction - (direction @ plane.normal) * plane.normal
-        if np.linalg.norm(along) > 1e-3 * np.linalg.norm(
-            direction
-        ):  # else up is the normal, and gives no direction in the plane
+        # along the normal, up gives no direction in the plane
+        if np.linalg.norm(along) > 1e-3 * np.linalg.norm(direction):
             along /= np.linalg.norm(along)
             return np.stack([_pointing_forward(np.cross(plane.normal, along)), along])
     basis = np.linalg.svd(plane.normal[None, :])[2][1:]

@@ -183,6 +183,15 @@ def test_anything_with_a_plane_and_pairs_is_drawn(rng):
     assert figure(other) == figure(detection)
 
 
+def test_points_that_were_removed_are_drawn_apart(rng):
+    points = np.concatenate([blob(rng), [[50.0, 0.0, 0.0], [0.0, 50.0, 0.0]]])
+    fig = figure(detection_of(points, cleaned=True, used=np.arange(400)))
+    (removed,) = named(fig, "removed points")
+    shown = {tuple(row) for row in coordinates(removed).tolist()}
+    assert {(50.0, 0.0, 0.0), (0.0, 50.0, 0.0)} <= shown
+    assert len(coordinates(fig.data[0])) + len(shown) == len(points)
+
+
 def test_no_pairs_and_no_plane_still_draw(rng):
     fig = figure(detection_of(blob(rng), found=False, score=0.1))
     assert {trace.name for trace in fig.data} == {"cloud", "its mirror image", "mirror plane"}
