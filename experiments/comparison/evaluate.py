@@ -7,16 +7,16 @@ import numpy as np
 
 from experiments.baselines.ranking import Ranking
 from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES, Proposal
-from experiments.comparison.objects import DENSE, Entrant, entrant
+from experiments.comparison.objects import DENSE, BenchmarkObject, benchmark_object
 from experiments.data import corruptions
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 from experiments.metrics import funk
 from experiments.metrics.answered import Answered
 from experiments.metrics.deviation import deviation
 from experiments.metrics.gte import gte
 from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
 
-FUNCTION = f"{__name__}:compete"
+FUNCTION = f"{__name__}:evaluate"
 """What the runner is given."""
 
 STEPS = int(funk.LARGEST_ANGLE)
@@ -41,17 +41,17 @@ WARM: set[tuple[str, str, int]] = set()
 """Methods, conditions and sizes that this process has compiled programs for."""
 
 
-def compete(
+def evaluate(
     method: str, benchmark: str, item: int, name: str, condition: str, seed: int, num_points: int, data: str = ""
 ) -> Row:
     """What a method makes of an object in a random pose, corrupted then.
 
     Args:
         method: one of `ENTRIES`.
-        benchmark: one of `entrant.NAMES`.
+        benchmark: one of `objects.NAMES`.
         item: number of the object.
         name: of the object.
-        condition: one of `conditions.SWEPT`.
+        condition: one of `corruptions.SWEPT`.
         seed: of the pose, the points, the corruption and the method.
         num_points: points before the corruption.
         data: folder of the benchmark.
@@ -65,7 +65,7 @@ def compete(
     Raises:
         ValueError: the object of this number has another name: the benchmark is not what it was.
     """
-    whole = entrant(benchmark, data, item, seed, num_points)
+    whole = benchmark_object(benchmark, data, item, seed, num_points)
     if whole.case.name != name:
         raise ValueError(f"object {item} of {benchmark} is {whole.case.name!r} and not {name!r}")
     points = next(corruptions.trials([whole.case], [condition])).points
@@ -81,7 +81,7 @@ def compete(
         return about | NO_ANSWER | {"raised": repr(said)}
     if not len(said.ranking.offsets):
         return about | NO_ANSWER | {"raised": "no plane"}
-    return about | _judged(said, whole) | {"raised": ""}
+    return about | _scored(said, whole) | {"raised": ""}
 
 
 def _propose(method: str, points: np.ndarray, seed: list[int]) -> Proposal | Exception:
@@ -93,7 +93,7 @@ def _propose(method: str, points: np.ndarray, seed: list[int]) -> Proposal | Exc
         return error
 
 
-def _about(whole: Entrant) -> Row:
+def _about(whole: BenchmarkObject) -> Row:
     case = whole.case
     return {
         "group": case.group,
@@ -103,7 +103,7 @@ def _about(whole: Entrant) -> Row:
     }
 
 
-def _judged(said: Proposal, whole: Entrant) -> Row:
+def _scored(said: Proposal, whole: BenchmarkObject) -> Row:
     ranking, case = said.ranking, whole.case
     every = Answered(ranking, case)
     held = Answered(Ranking(*(column[said.held] for column in ranking)), case)

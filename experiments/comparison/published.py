@@ -1,11 +1,13 @@
 """What the paper prints of methods on data that is not here, to stand beside what was measured.
 
 Its F-measures are of the 1 354 clouds of Funk et al. 2017, those of partial scans of 20 real ones, and GTE and SDE of
-the 1 000 ShapeNet models of PRS-Net. It did not run the rivals of the last table itself. Thresholds of F are not
+the 1 000 ShapeNet models of PRS-Net. It did not run the methods of the last table itself. Thresholds of F are not
 stated.
 """
 
-from experiments.framework.study import Row
+from collections.abc import Mapping
+
+from experiments.framework.tables import Row
 
 DATA = "Funk 2017, the paper's print"
 
@@ -43,7 +45,7 @@ SHAPENET_DATA = "ShapeNet 1000, the paper's print"
 F_TITLE = "F, thresholds not stated"
 
 
-def lines(printed: dict[str, dict[str, float]], conditions: list[str], data: str = DATA) -> list[Row]:
+def lines(printed: Mapping[str, Mapping[str, float]], conditions: list[str], data: str = DATA) -> list[Row]:
     """Printed F as lines of a pivot: those methods that have any of the conditions."""
     return [
         {"data": data, "measure": F_TITLE, "method": f"{method}, printed"} | {c: of.get(c, "") for c in conditions}

@@ -9,7 +9,7 @@ of its own here. The paper's seconds are of the clouds of Funk et al. 2017, and 
 its machine.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,12 +22,15 @@ from tqdm import tqdm
 from experiments.baselines import three_d_symm
 from experiments.baselines.registry import BY_SIZE, ENTRIES, OURS, Entry, Proposal, usable
 from experiments.data.cases import made
-from experiments.data.corruptions import chosen, deviation
+from experiments.data.corruptions import deviation
+from experiments.data.descriptions import MADE
 from experiments.execution.limits import Limits
 from experiments.execution.task import Task
 from experiments.execution.worker import Worker
-from experiments.framework import figures, study
-from experiments.framework.study import Row
+from experiments.framework import figures
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.speed.timing import PAPER
 
 VERTICES = 1042
@@ -188,10 +191,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("growth", __doc__, SIZES, run, summary, draw=draw, data=MADE, paper="its time table")

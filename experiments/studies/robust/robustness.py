@@ -7,7 +7,6 @@ points (`pip install ".[peers]"`), needs a quarter of a minute for 5 000 of them
 robust,pyclarcs --seeds 1`.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -18,9 +17,11 @@ from tqdm import tqdm
 from experiments.comparison.answers import METHODS, PEER, answer, usable
 from experiments.data import corruptions
 from experiments.data.cases import MODELS, generated, kinds_of, real
-from experiments.data.corruptions import PAPER, TARGETS, Deviation, Trial, chosen, deviation
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.corruptions import PAPER, TARGETS, Deviation, Trial, deviation
+from experiments.data.descriptions import WITH_REAL
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 
 OURS = "robust"
 
@@ -135,10 +136,6 @@ def _median(values: np.ndarray) -> float | str:
     return float(np.median(values)) if len(values) else "-"
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study(
+    "robustness", __doc__, SIZES, run, summary, data=WITH_REAL, paper="its tables of outliers and missing parts"
+)

@@ -3,22 +3,22 @@
 The paper's times are of other objects on another machine; they stand beside ours for the order of magnitude.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from tqdm import tqdm
 
 import symjax
-from experiments.data.corruptions import chosen
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import SINGLE
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.detection.detect import METHODS
 
 PAPER = {5_000: 2.15, 10_000: 3.67, 50_000: 5.23, 100_000: 8.13, 300_000: 12.92}
 TARGETS = {5_000: "< 1 s", 300_000: "< 8 s"}
-"""Of the paper's method; those of the other are in `experiments.studies.speed.scale`."""
+"""Of the paper's method; those of the other are in the study `scale`."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return lines
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("timing", __doc__, SIZES, run, summary, data=SINGLE, paper="its time table")

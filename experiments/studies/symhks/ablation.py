@@ -2,8 +2,8 @@
 
 The paper leaves some open (times, pairs, σ), and symjax departs from it in others. Radius r and neighbours h are each
 varied alone: the other then does not bound the neighbourhood, while in the default both do. A match is right as in
-`experiments.studies.symhks.end_to_end`. Where the method gives up, 90 degrees count and no match is right. Under `out20 dropped` scattered
-outliers are left out before the matching; the choice "front end" settles that under every condition.
+`end_to_end`. Where the method gives up, 90 degrees count and no match is right. Under `out20 dropped` outliers
+are dropped before the matching; the choice "front end" settles that under every condition.
 """
 
 import warnings
@@ -20,9 +20,12 @@ from tqdm import tqdm
 import symjax
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import WITHIN_ANGLE, Trial, chosen, deviation
-from experiments.framework import figures, study
-from experiments.framework.study import Row
+from experiments.data.corruptions import WITHIN_ANGLE, Trial, deviation
+from experiments.data.descriptions import SINGLE
+from experiments.framework import figures
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from experiments.studies.symhks.end_to_end import right_matches
 from symjax.detection.result import Detection
@@ -167,10 +170,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("sym_hks_ablation", __doc__, SIZES, run, summary, draw=draw, data=SINGLE)
