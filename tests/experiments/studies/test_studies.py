@@ -1,15 +1,17 @@
-"""Every experiment runs at its smallest size and leaves rows, provenance and, where it has one, a picture."""
+"""Every study runs at its smallest size and leaves rows, provenance and, where it has one, a picture."""
 
 import csv
 import dataclasses
-import importlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from experiments.framework import study
-from experiments.framework.catalogue import CONTENTS, script
+from experiments.data import cases
+from experiments.framework.catalogue import STUDIES, load
+from experiments.framework.run_study import run_study
+from experiments.studies.paper import deviation
 
 ONE_OBJECT = ["--objects", "1", "--num-points", "300", "--methods", "pca", "--jobs", "1"]
 
@@ -31,7 +33,7 @@ TINY = {
     "partial_scans": ONE_OBJECT,
     "planted": ["--trials", "2", "--exact-trials", "1"],
     "precision_recall": ONE_OBJECT,
-    "road": ["--kinds", "1", "--data", "absent"],
+    "end_to_end": ["--kinds", "1", "--data", "absent"],
     "robustness": [
         *("--methods", "robust,sym-hks-cleaned", "--kinds", "1"),
         *("--conditions", "out100", "--data", "absent"),
@@ -60,19 +62,22 @@ DRAWN = (
 )
 
 
-def test_all_experiments_of_the_contents_are_there_and_run_here():
-    assert set(TINY) | set(CHECKS) == set(CONTENTS)
-    assert [name for name in CONTENTS if not script(name).is_file()] == []
+def rows_of(path):
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_study_is_run_here():
+    assert set(TINY) | set(CHECKS) == set(STUDIES)
+    assert {name for name in STUDIES if load(name).draw} == set(DRAWN)
 
 
 @pytest.mark.parametrize("name", TINY)
-def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
-    module = importlib.import_module(f"experiments.{name}")
-    module.main(["--size", "small", "--out", str(tmp_path), *TINY[name]])
-    with (tmp_path / f"{name}.csv").open() as file:
-        assert len(list(csv.DictReader(file))) >= 1
+def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
+    assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), *TINY[name]]) == 0
+    assert len(rows_of(tmp_path / f"{name}.csv")) >= 1
     about = json.loads((tmp_path / f"{name}.json").read_text())
-    assert about["command"].startswith(f"python -m experiments.{name} --size small")
+    assert about["command"].startswith(f"python -m experiments.run {name} --size small")
     assert {"config", "commit", "versions", "machine", "wall_seconds", "summary"} <= set(about)
     if name in DRAWN:
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
@@ -82,17 +87,13 @@ def test_an_experiment_runs_and_says_where_its_rows_come_from(name, tmp_path, ca
 
 @pytest.mark.parametrize("name", CHECKS)
 def test_the_checks_meet_their_targets(name, tmp_path):
-    module = importlib.import_module(f"experiments.{name}")
-    module.main(["--size", "small", "--out", str(tmp_path), "--problems", "2"])
-    with (tmp_path / f"{name}.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), "--problems", "2"]) == 0
+    rows = rows_of(tmp_path / f"{name}.csv")
     assert len(rows) > 8
     assert [row["check"] for row in rows if row["passed"] != "True"] == []
 
 
 def test_the_estimator_withstands_what_the_baseline_does_not():
-    from experiments.studies.paper import deviation
-
     config = dataclasses.replace(deviation.SIZES["small"], shares=(0.65,), blobs=("isotropic",))
     rows = deviation.run(config)
     median = {
@@ -104,34 +105,14 @@ def test_the_estimator_withstands_what_the_baseline_does_not():
 
 
 def test_absent_data_is_said_loudly(capsys):
-    from pathlib import Path
-
-    from experiments.data import cases
-
     assert list(cases.real(Path("absent"), 100, 1)) == []
     assert "ABSENT" in capsys.readouterr().err
 
 
 def test_real_models_are_posed_with_their_planes(models):
-    from experiments.data import cases
-
     for case in cases.real(models.parent, 400, 1):
         for plane in case.planes:
             assert np.linalg.norm(plane.normal) == pytest.approx(1.0, abs=1e-6)
             # a mirror plane passes through the middle of its object
             middle = case.points.mean(axis=0)
             assert abs(plane.signed_distance(middle[None])[0]) < 0.1 * case.diagonal
-
-
-def test_nothing_is_written_where_nothing_was_measured(tmp_path, capsys):
-    @dataclasses.dataclass(frozen=True)
-    class Config:
-        seed: int = 0
-
-    with pytest.raises(SystemExit) as stop:
-        study.main(
-            "none.py", "Nothing.", {"full": Config()}, lambda _: [], lambda rows: rows, argv=["--out", str(tmp_path)]
-        )
-    assert stop.value.code == study.NOT_MEASURED
-    assert "NOTHING WAS MEASURED" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
