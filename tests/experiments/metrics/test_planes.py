@@ -11,7 +11,7 @@ from experiments.metrics.frame import AS_STORED, frame_of
 from experiments.metrics.gte import gte
 from experiments.metrics.tally import Tally
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.distance import deviation_angle
+from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
 from tests.experiments.metrics.cubes import AXES, answered, moved, ranking, tilted
 
