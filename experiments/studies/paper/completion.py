@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 import symjax
 from experiments.baselines.registry import ENTRIES
-from experiments.comparison.answers import answer
+from experiments.comparison.attempt import attempt
 from experiments.data.descriptions import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
@@ -111,8 +111,8 @@ def _completed(cut: Part, methods: list[str]) -> Iterator[Row]:
     nothing = np.empty((0, 3))
     yield {"completed by": OPEN, "angle": "", **_errors(cut, cut.kept, nothing)}
     for method in methods:
-        plane = answer(method, cut.kept).plane
-        ended = {"angle": 90.0, **_errors(cut, cut.kept, nothing)} if plane is None else _mirrored(cut, plane)
+        found = attempt(ENTRIES[method], cut.kept).detection
+        ended = {"angle": 90.0, **_errors(cut, cut.kept, nothing)} if found is None else _mirrored(cut, found.plane)
         yield {"completed by": ENTRIES[method].title, **ended}
     yield {"completed by": TRUE, **_mirrored(cut, cut.plane)}
     yield {"completed by": ANEW, "angle": "", **_errors(cut, nothing, cut.anew)}

@@ -18,7 +18,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from tqdm import tqdm
 
-from experiments.comparison.answers import answer
+from experiments.baselines.registry import ENTRIES, OURS
+from experiments.comparison.attempt import attempt
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
 from experiments.data.corruptions import Trial, deviation
@@ -161,12 +162,12 @@ def without(stage: str) -> Iterator[None]:
 
 
 def _row(stage: str, trial: Trial) -> Row:
-    said = answer("robust", trial.points)
-    if said.plane is None:
-        raise RuntimeError(f"without {stage}: {said.error}")
-    off = deviation(said.plane, trial.case)
-    row = trial.about | {"without": stage, "found": said.found, "angle": off.angle, "offset_error": off.offset}
-    return row | {"right": said.found and off.right, "right plane": off.right}
+    found, _, error = attempt(ENTRIES[OURS], trial.points)
+    if found is None:
+        raise RuntimeError(f"without {stage}: {error}")
+    off = deviation(found.plane, trial.case)
+    row = trial.about | {"without": stage, "found": found.found, "angle": off.angle, "offset_error": off.offset}
+    return row | {"right": found.found and off.right, "right plane": off.right}
 
 
 def summary(rows: list[Row]) -> list[Row]:

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from experiments.comparison.answers import METHODS, PEER, answer, usable
+from experiments.baselines.registry import ENTRIES, OURS, PEER, usable
+from experiments.comparison.attempt import attempt
 from experiments.data import corruptions
 from experiments.data.cases import MODELS, generated, kinds_of, real
 from experiments.data.corruptions import PAPER, TARGETS, Deviation, Trial, deviation
@@ -23,7 +24,8 @@ from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
 
-OURS = "robust"
+METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PEER)
+"""By their names in `ENTRIES`."""
 
 CLOSE = 1.0
 """Degrees within which the plane of a shape that is exact by construction should be."""
@@ -72,24 +74,25 @@ def run(config: Config) -> list[Row]:
         if trial.condition != warm:
             warm = trial.condition
             for method in methods:
-                answer(method, trial.points)  # compiles what a cloud of this size needs
+                attempt(ENTRIES[method], trial.points)  # compiles what a cloud of this size needs
         rows += [_row(trial, method) for method in methods]
     return rows
 
 
 def _row(trial: Trial, method: str) -> Row:
-    said = answer(method, trial.points)
-    off = NO_ANSWER if said.plane is None else deviation(said.plane, trial.case)
+    detection, seconds, error = attempt(ENTRIES[method], trial.points)
+    off = NO_ANSWER if detection is None else deviation(detection.plane, trial.case)
+    found = detection is not None and detection.found
     return trial.about | {
         "method": method,
         "exact": trial.case.group in ("generated", "exact"),
-        "found": said.found,
-        "ambiguous": said.ambiguous,
+        "found": found,
+        "ambiguous": detection is not None and detection.ambiguous,
         "angle": off.angle,
         "offset_error": off.offset,
-        "right": said.found and off.right,
-        "seconds": said.seconds,
-        "error": said.error,
+        "right": found and off.right,
+        "seconds": seconds,
+        "error": error,
     }
 
 

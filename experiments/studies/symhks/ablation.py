@@ -8,11 +8,9 @@ are dropped before the matching; the choice "front end" settles that under every
 
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from unittest import mock
 
 import numpy as np
 from tqdm import tqdm
@@ -103,14 +101,11 @@ def _row(variant: Variant, name: str, trial: Trial) -> Row:
 
 def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
     """The method, or None where it raises one of its own errors."""
-    arguments = {"drop_outliers": name.endswith(DROPPED), **variant.arguments_of_detect}
-    with ExitStack() as stack:
-        stack.enter_context(warnings.catch_warnings())
+    dropped = name.endswith(DROPPED) if variant.drop_outliers is None else variant.drop_outliers
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", SymjaxWarning)
-        for module, attribute, replacement in variant.patches:
-            stack.enter_context(mock.patch.object(module, attribute, replacement))
         try:
-            return symjax.detect(trial.points, method="sym-hks", rng=0, **arguments)
+            return symjax.detect(trial.points, variant.method, rng=0, drop_outliers=dropped)
         except SymjaxError:
             return None
 

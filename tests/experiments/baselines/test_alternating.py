@@ -1,24 +1,27 @@
-"""Rivals that improve a plane step by step: Hruda's measure, 3DSymm and Nagar and Raman's method."""
+"""Baselines that improve a plane step by step: Hruda's measure, 3DSymm and Nagar and Raman's method."""
 
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
 from experiments.baselines import hruda, nagar_raman, three_d_symm
+from experiments.baselines.hruda import Hruda
 from experiments.baselines.least_squares import least_squares
+from experiments.baselines.nagar_raman import NagarRaman
 from experiments.baselines.ranking import framed, reflect
+from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.data.cases import kinds_of, made
 from experiments.data.corruptions import deviation
 from symjax.geometry.plane import Plane
 
-HALF_SPHERE = partial(three_d_symm.find, starts="half-sphere")
-FINDS = {
-    "hruda": hruda.find,
-    "3dsymm, pca": three_d_symm.find,
-    "3dsymm, half-sphere": partial(HALF_SPHERE, most=500),
-    "nagar-raman": partial(nagar_raman.find, most=200),
+HALF_SPHERE = ThreeDSymm(starts="half-sphere")
+METHODS = {
+    "hruda": Hruda(),
+    "3dsymm, pca": ThreeDSymm(),
+    "3dsymm, half-sphere": replace(HALF_SPHERE, most=500),
+    "nagar-raman": NagarRaman(most=200),
 }
 TEN = kinds_of("single", 10)
 
@@ -44,45 +47,48 @@ def mirrored(num, rng, *, spread=(0.6, 1.5, 1.0)):
     return np.vstack([half, reflect(normal, 0.7, half)]), Plane(normal, np.array(0.7))
 
 
-def within_five_degrees(find, kind, num_points):
+def within_five_degrees(method, kind, num_points):
     case = made(kind, num_points, 0)
-    return deviation(find(case.points, rng=drawn()).plane(), case).angle < 5
+    return deviation(method.rank(case.points, drawn()).plane(), case).angle < 5
 
 
+@pytest.mark.slow
 def test_hruda_finds_the_plane_of_clean_objects():
-    assert np.mean([within_five_degrees(hruda.find, kind, 1500) for kind in TEN]) >= 0.9
+    assert np.mean([within_five_degrees(Hruda(), kind, 1500) for kind in TEN]) >= 0.9
 
 
 def test_3dsymm_finds_the_plane_of_clean_objects():
-    assert np.mean([within_five_degrees(three_d_symm.find, kind, 1500) for kind in TEN]) >= 0.9
+    assert np.mean([within_five_degrees(ThreeDSymm(), kind, 1500) for kind in TEN]) >= 0.9
 
 
+@pytest.mark.slow
 def test_3dsymm_finds_the_plane_of_clean_objects_from_26_starts():
     assert np.mean([within_five_degrees(HALF_SPHERE, kind, 400) for kind in TEN]) >= 0.9
 
 
+@pytest.mark.slow
 def test_nagar_raman_finds_the_plane_of_clean_objects():
-    assert np.mean([within_five_degrees(nagar_raman.find, kind, 1500) for kind in TEN]) >= 0.9
+    assert np.mean([within_five_degrees(NagarRaman(), kind, 1500) for kind in TEN]) >= 0.9
 
 
-@pytest.mark.parametrize("name", FINDS)
+@pytest.mark.parametrize("name", METHODS)
 def test_an_exact_mirror_plane_is_found(name, rng):
     points, plane = mirrored(100, rng)
-    ranking = FINDS[name](points, rng=drawn())
+    ranking = METHODS[name].rank(points, drawn())
     # the measure is that of a smooth kernel, which an optimiser's tolerance is enough for
     assert angle(ranking.normals[0], plane.normal) < (0.05 if name == "hruda" else 1e-5)
     assert abs(abs(ranking.offsets[0]) - 0.7) < (1e-3 if name == "hruda" else 1e-8)
 
 
-@pytest.mark.parametrize("name", FINDS)
+@pytest.mark.parametrize("name", METHODS)
 def test_answers_are_distinct_and_ranked(name):
     case = made("quadruped", 600, 0)
-    ranking = FINDS[name](case.points, rng=drawn())
+    ranking = METHODS[name].rank(case.points, drawn())
     assert (np.diff(ranking.scores) <= 0).all()
     np.testing.assert_allclose(np.linalg.norm(ranking.normals, axis=1), 1)
     apart = [angle(a, b) for k, a in enumerate(ranking.normals) for b in ranking.normals[:k]]
     assert min(apart, default=90) > 3
-    again = FINDS[name](case.points, rng=drawn())
+    again = METHODS[name].rank(case.points, drawn())
     np.testing.assert_array_equal(again.normals, ranking.normals)
 
 
@@ -91,8 +97,8 @@ def test_the_plane_moves_with_the_cloud(name, degrees, rng):
     # the grid that Hruda's clouds are averaged on, and the 26 directions, do not turn with the cloud
     points = made("quadruped", 500, 0).points
     turn, shift = np.linalg.qr(rng.normal(size=(3, 3)))[0], 10 * rng.normal(size=3)
-    plane = FINDS[name](points, rng=drawn()).plane()
-    moved = FINDS[name](30 * points @ turn.T + shift, rng=drawn()).plane()
+    plane = METHODS[name].rank(points, drawn()).plane()
+    moved = METHODS[name].rank(30 * points @ turn.T + shift, drawn()).plane()
     assert angle(moved.normal, turn @ plane.normal) < degrees
     centre = points.mean(axis=0)
     before, after = plane.signed_distance(centre[None]), moved.signed_distance((30 * turn @ centre + shift)[None])
@@ -164,13 +170,14 @@ def test_hruda_candidates_lie_halfway_and_near_ones_are_one():
     assert np.abs(planes[:, 2]).max() == pytest.approx(np.cos(np.arctan(0.025) / 2), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_hruda_gives_all_planes_of_a_box_and_none_of_less_than_the_share(rng):
     corner = rng.uniform(size=(60, 3))
     corner[np.arange(60), np.arange(60) % 3] = 1
     signs = np.stack(np.meshgrid(*[[-1, 1]] * 3), axis=-1).reshape(-1, 1, 3)
     box = (corner * signs * [1.0, 1.3, 1.7]).reshape(-1, 3)
-    everything = hruda.find(box, rng=drawn(), starts=40, share=0.0)
-    ranking = hruda.find(box, rng=drawn(), starts=40)
+    everything = Hruda(starts=40, share=0.0).rank(box, drawn())
+    ranking = Hruda(starts=40).rank(box, drawn())
     assert len(ranking.scores) == (everything.scores >= 0.7 * everything.scores[0]).sum() < len(everything.scores)
     np.testing.assert_allclose(ranking.scores, 1, atol=1e-3)
     np.testing.assert_allclose(np.sort(np.abs(ranking.normals), axis=0), np.sort(np.eye(3), axis=0), atol=1e-2)
@@ -216,7 +223,7 @@ def test_26_directions_leave_no_direction_far_away(rng):
 
 def test_an_unknown_start_is_refused(rng):
     with pytest.raises(KeyError, match="sphere"):
-        three_d_symm.find(rng.normal(size=(50, 3)), rng=rng, starts="sphere")
+        ThreeDSymm(starts="sphere").rank(rng.normal(size=(50, 3)), rng)
 
 
 def test_assignment_is_one_to_one_and_keeps_the_plane_in_the_mean(rng):
@@ -229,5 +236,5 @@ def test_assignment_is_one_to_one_and_keeps_the_plane_in_the_mean(rng):
 
 def test_nagar_raman_passes_through_the_mean_of_all_points_however_few_are_kept(rng):
     points = rng.normal(size=(600, 3)) + [0.0, 5.0, 0.0]
-    ranking = nagar_raman.find(points, rng=drawn(), most=60)
+    ranking = NagarRaman(most=60).rank(points, drawn())
     np.testing.assert_allclose(ranking.normals @ points.mean(axis=0), ranking.offsets, atol=1e-12)

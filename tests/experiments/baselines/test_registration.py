@@ -1,4 +1,6 @@
-"""Two rivals that compare a cloud with its mirror image: by a descriptor on a grid, and by registration."""
+"""Two baselines that compare a cloud with its mirror image: by a descriptor on a grid, and by registration."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,20 +8,17 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from experiments.baselines import cicconet, kazhdan
-from experiments.baselines.cicconet import Registration, mirror, register, rigid
+from experiments.baselines.cicconet import Cicconet, Registration, mirror, register, rigid
+from experiments.baselines.kazhdan import Kazhdan
 from experiments.baselines.ranking import plane_distance, reflect
 from experiments.data.cases import kinds_of, made
 from experiments.data.corruptions import deviation
 from symjax.geometry.plane import Plane
 
 KINDS = kinds_of("single", 10)
-METHODS = {
-    "kazhdan's grid": (kazhdan.find, {"refine": False}),
-    "kazhdan": (kazhdan.find, {}),
-    "cicconet": (cicconet.find, {}),
-}
-COARSE = {"num_normals": 400, "resolution": 32}
-"""Of kazhdan, where the last degree does not matter."""
+METHODS = {"kazhdan's grid": Kazhdan(refine=False), "kazhdan": Kazhdan(), "cicconet": Cicconet()}
+COARSE = Kazhdan(num_normals=400, resolution=32)
+"""Where the last degree does not matter."""
 
 
 @pytest.fixture(scope="module")
@@ -51,21 +50,20 @@ def box(rng, num_points=3000):
     return points * (3, 2, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "least"), [("kazhdan's grid", 0.8), ("kazhdan", 0.9), ("cicconet", 0.9)])
 def test_clean_clouds_are_right(method, least):
-    find, options = METHODS[method]
     cases = [made(kind, 1500, 0) for kind in KINDS]
-    found = [deviation(find(case.points, rng=np.random.default_rng(0), **options).plane(), case) for case in cases]
+    found = [deviation(METHODS[method].rank(case.points, np.random.default_rng(0)).plane(), case) for case in cases]
     assert np.mean([off.angle < 5 for off in found]) >= least
     assert np.mean([off.right for off in found]) >= least
 
 
 @pytest.mark.parametrize(("method", "degrees"), [("kazhdan's grid", 3.0), ("kazhdan", 0.5), ("cicconet", 1e-5)])
 def test_an_exact_mirror_is_found(method, degrees, rng):
-    find, options = METHODS[method]
     planted = Plane(unit(rng), np.float64(0.7))
     points = mirrored(rng, planted.normal, 0.7)
-    found = find(points, rng=rng, **options).plane()
+    found = METHODS[method].rank(points, rng).plane()
     assert found.angle(planted) < degrees
     # both pass through the mean
     assert abs(found.signed_distance(points.mean(axis=0)[None])[0]) < 1e-6
@@ -73,8 +71,7 @@ def test_an_exact_mirror_is_found(method, degrees, rng):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_scores_fall_and_normals_are_units(method, quadruped, rng):
-    find, options = METHODS[method]
-    found = find(quadruped.points, rng=rng, **options)
+    found = METHODS[method].rank(quadruped.points, rng)
     assert len(found.normals) == len(found.offsets) == len(found.scores) >= 3
     assert (np.diff(found.scores) <= 0).all()
     np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1, atol=1e-6)
@@ -82,10 +79,9 @@ def test_scores_fall_and_normals_are_units(method, quadruped, rng):
 
 @pytest.mark.parametrize(("method", "degrees"), [("kazhdan's grid", 4.0), ("kazhdan", 1.0), ("cicconet", 1e-5)])
 def test_answers_move_with_the_cloud(method, degrees, quadruped, rng):
-    find, options = METHODS[method]
     turn, shift, scale = turned(rng), np.array([30.0, -5.0, 100.0]), 250.0
-    here = find(quadruped.points, rng=rng, **options).plane()
-    there = find(scale * quadruped.points @ turn.T + shift, rng=rng, **options).plane()
+    here = METHODS[method].rank(quadruped.points, rng).plane()
+    there = METHODS[method].rank(scale * quadruped.points @ turn.T + shift, rng).plane()
     normal = turn @ here.normal
     moved = Plane(normal, scale * here.offset + normal @ shift)
     assert there.angle(moved) < degrees
@@ -96,25 +92,24 @@ def test_answers_move_with_the_cloud(method, degrees, quadruped, rng):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_gives_the_same_answer(method, quadruped):
-    find, options = METHODS[method]
-    few = {"num_points": 700} if find is cicconet.find else COARSE
-    one, other = (find(quadruped.points, rng=np.random.default_rng(3), **options | few) for _ in range(2))
+    few = {"num_points": 700} if method == "cicconet" else {"num_normals": 400, "resolution": 32}
+    quick = replace(METHODS[method], **few)
+    one, other = (quick.rank(quadruped.points, np.random.default_rng(3)) for _ in range(2))
     for a, b in zip(one, other, strict=True):
         np.testing.assert_array_equal(a, b)
 
 
 @pytest.mark.parametrize("method", ["kazhdan", "cicconet"])
 def test_a_box_has_three_planes(method, rng):
-    find, options = METHODS[method]
     turn = turned(rng)
-    found = find(box(rng) @ turn.T, rng=rng, **options)
+    found = METHODS[method].rank(box(rng) @ turn.T, rng)
     for axis in turn.T:
         assert min(found.plane(k).angle(Plane(axis, np.float64(0))) for k in range(3)) < 1
 
 
 class TestKazhdan:
     def test_all_planes_pass_through_the_mean_and_are_10_degrees_apart(self, quadruped, rng):
-        found = kazhdan.find(quadruped.points + 3, rng=rng, **COARSE)
+        found = COARSE.rank(quadruped.points + 3, rng)
         np.testing.assert_allclose(found.normals @ (quadruped.points.mean(axis=0) + 3), found.offsets)
         for k in range(1, len(found.normals)):
             others = plane_distance(found.normals[:k], np.zeros(k), found.normals[k], 0.0)
@@ -124,13 +119,13 @@ class TestKazhdan:
         planted = Plane(unit(rng), np.float64(0.7))
         points = mirrored(rng, planted.normal, 0.7)
         cut = points[planted.signed_distance(points) < 0.3]
-        found = kazhdan.find(cut, rng=rng, **COARSE)
+        found = COARSE.rank(cut, rng)
         foot = planted.signed_distance(cut.mean(axis=0)[None])[0]
         assert abs(foot) > 0.1
         np.testing.assert_allclose(found.normals @ cut.mean(axis=0), found.offsets)
 
     def test_refining_never_loses(self, quadruped, rng):
-        grid, fine = (kazhdan.find(quadruped.points, rng=rng, refine=on, **COARSE) for on in (False, True))
+        grid, fine = (replace(COARSE, refine=on).rank(quadruped.points, rng) for on in (False, True))
         assert fine.scores[0] >= grid.scores[0]
 
     def test_a_raster_is_its_own_image_under_the_mirrors_of_the_grid_that_the_shape_has(self, rng):
@@ -198,15 +193,15 @@ class TestCicconet:
             float(quadruped.planes[0].angle(Plane(axis, np.float64(0))))
             for axis in np.linalg.eigh(centred.T @ centred)[1].T
         )
-        assert deviation(cicconet.find(cut, rng=rng).plane(), quadruped).angle < start
+        assert deviation(Cicconet().rank(cut, rng).plane(), quadruped).angle < start
 
     def test_the_score_is_the_distance_that_is_left_and_as_released_the_strength(self, quadruped, rng):
         few = quadruped.points[:700]
         noisy = few + 0.03 * quadruped.diagonal * rng.normal(size=few.shape)
-        clean, worse = (cicconet.find(points, rng=rng).scores for points in (few, noisy))
+        clean, worse = (Cicconet().rank(points, rng).scores for points in (few, noisy))
         assert worse[0] < clean[0] < 0
         for points in (few, noisy):
-            assert cicconet.find(points, rng=rng, as_released=True).scores[0] == 1
+            assert Cicconet(as_released=True).rank(points, rng).scores[0] == 1
 
     def test_strengths_are_in_inverse_proportion_to_the_distances(self):
         np.testing.assert_allclose(cicconet.strengths(np.array([0.2, 0.1, 0.4])), [0.5, 1, 0.25])
@@ -214,8 +209,8 @@ class TestCicconet:
     def test_an_exact_cloud_on_the_grid_has_finite_scores(self, rng):
         half = rng.integers(1, 9, size=(60, 3)).astype(float)
         exact = np.concatenate([half, half * (-1, 1, 1)]) * (1, 2, 4)
-        assert cicconet.find(exact, rng=rng).scores[0] == pytest.approx(0, abs=1e-12)
-        released = cicconet.find(exact, rng=rng, as_released=True)
+        assert Cicconet().rank(exact, rng).scores[0] == pytest.approx(0, abs=1e-12)
+        released = Cicconet(as_released=True).rank(exact, rng)
         assert released.scores[0] == 1
         assert np.isfinite(released.scores).all()
 
@@ -223,5 +218,5 @@ class TestCicconet:
         upright, oblique = np.array([1.0, 0.0, 0.0]), np.array([0.8, 0.6, 0.0])
         for normal, bent in ((upright, False), (oblique, True)):
             points = mirrored(rng, normal, 0.0)
-            off = cicconet.find(points, rng=rng, as_released=True).plane().angle(Plane(normal, np.float64(0)))
+            off = Cicconet(as_released=True).rank(points, rng).plane().angle(Plane(normal, np.float64(0)))
             assert (off > 2) == bent

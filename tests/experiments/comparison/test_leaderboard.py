@@ -7,7 +7,7 @@ pytest.importorskip("joblib", reason="the runner needs the extra `arena`")
 pytest.importorskip("psutil", reason="the runner needs the extra `arena`")
 
 
-from experiments.baselines.registry import ENTRIES
+from experiments.baselines.kazhdan import Kazhdan
 from experiments.comparison import published
 from experiments.comparison.curves import precision_recall
 from experiments.comparison.leaderboard import answered, best_f, leaderboard, measures_of, pivot, tallies
@@ -25,7 +25,7 @@ def boat():
 
 
 def test_a_row_scores_as_the_case_that_it_is_of(boat):
-    ranking = ENTRIES["kazhdan"].propose(boat.points, np.random.default_rng(0)).ranking
+    ranking = Kazhdan().rank(boat.points, np.random.default_rng(0))
     told = row(
         planes=np.column_stack(ranking).tolist(),
         truths=[[*p.normal.tolist(), float(p.offset)] for p in boat.planes],

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from experiments.comparison.answers import Answer
+from experiments.comparison.attempt import Attempt
 from experiments.studies.paper import completion
 
 CONFIG = dataclasses.replace(completion.SIZES["small"], kinds="quadruped", num_points=800, methods="pca")
@@ -56,7 +56,7 @@ def test_what_was_not_removed_leaves_no_gap(cut):
 
 
 def test_no_answer_leaves_the_object_as_it_was(monkeypatch, cut):
-    monkeypatch.setattr(completion, "answer", lambda method, points: Answer(None, False, False, 0.0, "gave up"))
+    monkeypatch.setattr(completion, "attempt", lambda method, points: Attempt(None, 0.0, "gave up"))
     rows = {row["completed by"]: row for row in completion._completed(cut, ["pca"])}
     assert rows["PCA"]["gap, mean"] == rows[completion.OPEN]["gap, mean"]
     assert rows["PCA"]["angle"] == 90.0
