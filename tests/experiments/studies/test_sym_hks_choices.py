@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from experiments.data.cases import made
-from experiments.data.corruptions import chosen, trials
+from experiments.data.corruptions import trials
+from experiments.framework.options import chosen
 from experiments.studies.symhks import ablation
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from symjax import SymHKS
