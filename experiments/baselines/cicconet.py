@@ -11,12 +11,14 @@ distance as the score (`as_released` undoes these three), and when to stop befor
 1 / (root mean square distance), divided by the largest of the three: the same order, but no scale to compare clouds by.
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import cKDTree
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.ranking import Frame, Ranking, framed, reflect
 
 
@@ -34,44 +36,43 @@ class Registration(NamedTuple):
     rmse: float
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    num_points: int = 10_000,
-    max_steps: int = 100,
-    tolerance: float = 1e-6,
-    as_released: bool = False,
-) -> Ranking:
-    """Three planes, one for each principal axis.
+@dataclass(frozen=True, kw_only=True)
+class Cicconet(Baseline):
+    """Three planes, one for each principal axis, by minus the root mean square distance of moved images, in mean radii.
 
-    Args:
-        points: the cloud.
-        rng: draws the points that are used where there are more than `num_points`.
-        num_points: most points that are used.
+    Attributes:
+        num_points: most points that are used, drawn at random.
         max_steps: most iterations of a registration.
         tolerance: a registration ends once its distance falls by less than this share.
         as_released: what the program does. Each coordinate is divided by its own standard deviation, and planes are
             only shifted back, so that normals are wrong where the three differ. The first planes of the second and
             third axis pass through the plane that was found before, not through the mean. The score is the strength,
             1 for the strongest of the three.
-
-    Returns:
-        Planes by minus the root mean square distance of moved images from the cloud, in mean radii.
     """
-    frame = framed(points, rng, most=num_points)
-    if as_released:
-        frame = Frame(frame.points / frame.points.std(axis=0, ddof=1), frame.centre, 1.0)
-    tree = cKDTree(frame.points)
-    axes = np.linalg.eigh(np.cov(frame.points.T))[1].T[::-1]
-    normals, offsets, rmses = np.zeros((3, 3)), np.zeros(3), np.zeros(3)
-    point = np.zeros(3)
-    for k, axis in enumerate(axes):
-        offset = float(axis @ point) if as_released else 0.0
-        found = register(reflect(axis, offset, frame.points), tree, max_steps=max_steps, tolerance=tolerance)
-        normals[k], point = mirror(found, axis, offset)
-        offsets[k], rmses[k] = normals[k] @ point, found.rmse
-    return frame.ranking(normals, offsets, strengths(rmses) if as_released else -rmses)
+
+    name: ClassVar[str] = "cicconet"
+
+    num_points: int = 10_000
+    max_steps: int = 100
+    tolerance: float = 1e-6
+    as_released: bool = False
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`."""
+        frame = framed(points, rng, most=self.num_points)
+        if self.as_released:
+            frame = Frame(frame.points / frame.points.std(axis=0, ddof=1), frame.centre, 1.0)
+        tree = cKDTree(frame.points)
+        axes = np.linalg.eigh(np.cov(frame.points.T))[1].T[::-1]
+        normals, offsets, rmses = np.zeros((3, 3)), np.zeros(3), np.zeros(3)
+        point = np.zeros(3)
+        for k, axis in enumerate(axes):
+            offset = float(axis @ point) if self.as_released else 0.0
+            image = reflect(axis, offset, frame.points)
+            found = register(image, tree, max_steps=self.max_steps, tolerance=self.tolerance)
+            normals[k], point = mirror(found, axis, offset)
+            offsets[k], rmses[k] = normals[k] @ point, found.rmse
+        return frame.ranking(normals, offsets, strengths(rmses) if self.as_released else -rmses)
 
 
 def strengths(rmses: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:

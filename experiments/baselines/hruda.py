@@ -9,12 +9,14 @@ candidates come from all pairs of about 100 averaged points, that one is the mea
 is divided by that of the identity. Their weights of pairs, for surfaces that have more than points, are left out.
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import minimize
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.ranking import Ranking, distinct, framed
 
 REACH = 2.6
@@ -59,42 +61,41 @@ class Cells(NamedTuple):
         return rows, places[rows] - self.points[members]
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    alpha: float = 15.0,
-    num_points: int = 1000,
-    num_coarse: int = 100,
-    apart: float = 0.1,
-    starts: int = 5,
-    share: float = 0.7,
-) -> Ranking:
-    """The planes of the greatest measure.
+@dataclass(frozen=True, kw_only=True)
+class Hruda(Baseline):
+    """The planes of the greatest measure, by that over the measure of the identity.
 
-    Args:
-        points: the cloud.
-        rng: orders the pairs that become candidates.
+    Attributes:
         alpha: 1 over the width of the kernel, in 1 over mean radii.
         num_points: about so many averaged points are measured.
         num_coarse: about so many averaged points give the candidates.
         apart: distance (see `plane_distance`) below which candidates, and answers, are one.
         starts: candidates that are improved.
         share: of the best measure that an answer has at least.
-
-    Returns:
-        Planes by their measure over that of the identity.
     """
-    frame = framed(points, rng, most=len(points))
-    planes = candidates(averaged(frame.points, num_coarse), rng, apart)
-    grid = cells(averaged(frame.points, num_points), alpha)
-    first = np.argsort(-measure(grid, planes), kind="stable")[:starts]
-    planes = np.stack([improved(grid, plane) for plane in planes[first]])
-    identity = kernel(grid.pairs(grid.points)[1], alpha).sum()
-    normals, offsets, scores = planes[:, :3], planes[:, 3], measure(grid, planes) / identity
-    best = distinct(normals, offsets, scores, apart=apart, most=starts)
-    best = best[scores[best] >= share * scores[best[0]]]
-    return frame.ranking(normals[best], offsets[best], scores[best])
+
+    name: ClassVar[str] = "hruda"
+    several: ClassVar[bool] = True
+
+    alpha: float = 15.0
+    num_points: int = 1000
+    num_coarse: int = 100
+    apart: float = 0.1
+    starts: int = 5
+    share: float = 0.7
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`; orders the pairs that become candidates at random."""
+        frame = framed(points, rng, most=len(points))
+        planes = candidates(averaged(frame.points, self.num_coarse), rng, self.apart)
+        grid = cells(averaged(frame.points, self.num_points), self.alpha)
+        first = np.argsort(-measure(grid, planes), kind="stable")[: self.starts]
+        planes = np.stack([improved(grid, plane) for plane in planes[first]])
+        identity = kernel(grid.pairs(grid.points)[1], self.alpha).sum()
+        normals, offsets, scores = planes[:, :3], planes[:, 3], measure(grid, planes) / identity
+        best = distinct(normals, offsets, scores, apart=self.apart, most=self.starts)
+        best = best[scores[best] >= self.share * scores[best[0]]]
+        return frame.ranking(normals[best], offsets[best], scores[best])
 
 
 def kernel(off: Float[np.ndarray, "p 3"], alpha: float) -> Float[np.ndarray, "p"]:

@@ -10,15 +10,17 @@ directions; the voxels that hold a point, where it rasterises triangles; distanc
 squared; and the refinement.
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.ndimage import distance_transform_edt, map_coordinates
 from scipy.optimize import minimize
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.ranking import Ranking, distinct, framed
-from symjax.l2e import manifolds
+from symjax.geometry.directions import fibonacci
 
 RADII = 2.0
 """Half the grid's side in radii of the second moment (ShapeSPH)."""
@@ -49,34 +51,32 @@ class Raster(NamedTuple):
         return float((map_coordinates(self.distance, images.T, order=1, mode="nearest") ** 2).mean())
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    resolution: int = 64,
-    num_normals: int = 2500,
-    most: int = 10,
-    refine: bool = True,
-) -> Ranking:
-    """Planes through the mean of a cloud, the most symmetric first.
+@dataclass(frozen=True, kw_only=True)
+class Kazhdan(Baseline):
+    """Planes through the mean, at least 10 degrees apart, by minus the mean squared distance in voxels².
 
-    Args:
-        points: the cloud, all of which is used.
-        rng: nothing is drawn from it.
+    Attributes:
         resolution: voxels along a side of the grid.
         num_normals: directions on the half sphere.
         most: most answers.
         refine: move the best directions to the best normals near them; still through the mean.
-
-    Returns:
-        Planes at least 10 degrees apart; the score is minus the mean squared distance in voxels².
     """
-    frame = framed(points, rng, most=len(points))
-    raster = rasterise(frame.points, resolution)
-    normals, scores = best(raster, np.asarray(manifolds.fibonacci(num_normals), float), most)
-    if refine:
-        normals, scores = best(raster, np.array([refined(raster, normal) for normal in normals]), most)
-    return frame.ranking(normals, np.zeros(len(normals)), scores)
+
+    name: ClassVar[str] = "kazhdan"
+
+    resolution: int = 64
+    num_normals: int = 2500
+    most: int = 10
+    refine: bool = True
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`; draws nothing."""
+        frame = framed(points, rng, most=len(points))
+        raster = rasterise(frame.points, self.resolution)
+        normals, scores = best(raster, fibonacci(self.num_normals), self.most)
+        if self.refine:
+            normals, scores = best(raster, np.array([refined(raster, normal) for normal in normals]), self.most)
+        return frame.ranking(normals, np.zeros(len(normals)), scores)
 
 
 def rasterise(points: Float[np.ndarray, "n 3"], resolution: int) -> Raster:

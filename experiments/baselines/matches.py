@@ -1,4 +1,4 @@
-"""The mirror pairs that rivals work on: those of our Sym-HKS (Sec. 4 of the paper), so that only estimators differ."""
+"""Mirror pairs for baselines: those of our Sym-HKS (Sec. 4 of the paper), so that only estimators differ."""
 
 from typing import NamedTuple
 
@@ -24,18 +24,17 @@ class Matches(NamedTuple):
     y: Float[np.ndarray, "q 3"]
 
 
-def matches(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, drop_outliers: bool = False) -> Matches:
-    """The pairs that `symjax.detect(points, "sym-hks")` fits its plane to: one set a cloud.
+def matches(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Matches:
+    """The pairs that `symjax.detect(points, "sym-hks")` fits its plane to.
 
     Args:
         points: the cloud.
         rng: of the frame, which keeps all points and draws nothing.
-        drop_outliers: leave out scattered outliers first, which the paper does not.
 
     Raises:
         SymjaxError: there is no surface to take pairs from; the subclass says why.
     """
-    cloud = prepare(points, drop_outliers=drop_outliers)
+    cloud = prepare(points)
     used = points[cloud.rows]
     frame = framed(used, rng, most=len(used))
     x, y = frame.points[correspondences(cloud.points).rows.T]

@@ -6,43 +6,46 @@ linear assignment and then moves the mirror. They move it by optimisation over r
 plane has the closed form that is used here. The starts are our choice, as in `three_d_symm`.
 """
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.pca import principal_axes
 from experiments.baselines.ranking import Ranking, framed
 from experiments.baselines.three_d_symm import Match, ended
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    most: int = 500,
-    steps: int = 100,
-    tol: float = 1e-6,
-) -> Ranking:
+@dataclass(frozen=True, kw_only=True)
+class NagarRaman(Baseline):
     """The distinct planes that the three principal ones end in.
 
-    A permutation leaves the mean of the mid-points where it is, so that every plane passes through the mean. Those
-    of the points kept are about their own mean; the plane that is returned passes through the mean of all.
+    They are ranked by minus the root mean square distance of mirror images from their partners, in mean radii. A
+    permutation leaves the mean of the mid-points where it is, so that every plane passes through the mean. Those of the
+    points kept are about their own mean; the plane that is returned passes through the mean of all.
 
-    Args:
-        points: the cloud.
-        rng: draws the points that are kept of a larger cloud.
-        most: points that are kept: the cost of a round grows with its cube.
+    Attributes:
+        most: points that are kept of a larger cloud, drawn at random: the cost of a round grows with its cube.
         steps: most rounds from a start.
         tol: distance of two planes (see `plane_distance`) at which a start has converged.
-
-    Returns:
-        Planes by minus the root mean square distance of mirror images from their partners, in mean radii.
     """
-    frame = framed(points, rng, most=most)
-    # the mean of a few points is several times as far from the plane as the mean of all
-    frame = frame._replace(points=frame.points - frame.points.mean(axis=0))
-    return ended(frame, principal_axes(frame.points), assigned(frame.points), steps=steps, tol=tol)
+
+    name: ClassVar[str] = "nagar-raman"
+
+    most: int = 500
+    steps: int = 100
+    tol: float = 1e-6
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`."""
+        frame = framed(points, rng, most=self.most)
+        # the mean of a few points is several times as far from the plane as the mean of all
+        frame = frame._replace(points=frame.points - frame.points.mean(axis=0))
+        return ended(frame, principal_axes(frame.points), assigned(frame.points), steps=self.steps, tol=self.tol)
 
 
 def assigned(points: Float[np.ndarray, "n 3"]) -> Match:

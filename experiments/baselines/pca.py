@@ -5,32 +5,39 @@ mirror plane's normal is a principal axis of a complete cloud, but not a unique 
 paper's row "PCA" chooses among the three is not printed.
 """
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.ranking import Ranking, framed, reflect
 
 
-def find(points: Float[np.ndarray, "n 3"], *, rng: np.random.Generator, most: int = 5000) -> Ranking:
-    """The three principal planes.
+@dataclass(frozen=True, kw_only=True)
+class PCA(Baseline):
+    """The three principal planes, by minus the mean distance of mirror images from the cloud, in mean radii.
 
-    Args:
-        points: the cloud.
-        rng: draws the points that are kept of a larger cloud.
-        most: points that are kept.
-
-    Returns:
-        Planes by minus the mean distance of mirror images from the cloud, in mean radii.
+    Attributes:
+        most: points that are kept of a larger cloud, drawn at random.
     """
-    frame = framed(points, rng, most=most)
-    tree = KDTree(frame.points)
-    centre = frame.points.mean(axis=0)
-    axes = principal_axes(frame.points)
-    offsets = axes @ centre
-    planes = zip(axes, offsets, strict=True)
-    scores = -np.array([mean_residual(tree, normal, offset) for normal, offset in planes])
-    return frame.ranking(axes, offsets, scores)
+
+    name: ClassVar[str] = "pca"
+
+    most: int = 5000
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`."""
+        frame = framed(points, rng, most=self.most)
+        tree = KDTree(frame.points)
+        centre = frame.points.mean(axis=0)
+        axes = principal_axes(frame.points)
+        offsets = axes @ centre
+        planes = zip(axes, offsets, strict=True)
+        scores = -np.array([mean_residual(tree, normal, offset) for normal, offset in planes])
+        return frame.ranking(axes, offsets, scores)
 
 
 def principal_axes(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]:

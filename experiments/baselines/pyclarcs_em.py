@@ -5,10 +5,14 @@ the command `clarcs symplane`: the best principal plane, trimmed ICP, EM-ICP wit
 stochastic weights.
 """
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.pca import mean_residual
 from experiments.baselines.ranking import Ranking, framed
 
@@ -16,32 +20,36 @@ DIAGONAL = 200.0
 """Its scales, 5 to 0.25, are millimetres and meant for a head."""
 
 
-def find(points: Float[np.ndarray, "n 3"], *, rng: np.random.Generator, diagonal: float = DIAGONAL) -> Ranking:
-    """The plane that it settles on: it always answers, and never doubts.
+@dataclass(frozen=True, kw_only=True)
+class Pyclarcs(Baseline):
+    """The one plane that the package settles on, by minus the mean distance of mirror images, in mean radii.
 
-    Args:
-        points: the cloud; all points are used.
-        rng: gives the seed of its subsampling.
+    Attributes:
         diagonal: of the bounding box that the cloud is given.
-
-    Returns:
-        One plane, by minus the mean distance of mirror images from the cloud, in mean radii.
-
-    Raises:
-        ImportError: the package is not installed.
     """
-    try:
-        from pyclarcs.coarse import coarse_symmetry
-        from pyclarcs.fine import em_icp_sym, em_icp_sym_corres
-        from pyclarcs.principal_axes import best_principal_axis_plane
-    except ImportError as error:
-        raise ImportError("pyclarcs is not installed: pip install pyclarcs==0.4.4") from error
 
-    frame = framed(points, rng, most=len(points))
-    scale = diagonal / float(np.linalg.norm(np.ptp(frame.points, axis=0)))
-    scaled = scale * frame.points
-    plane = coarse_symmetry(scaled, best_principal_axis_plane(scaled), seed=int(rng.integers(2**31)))
-    plane = em_icp_sym_corres(scaled, em_icp_sym(scaled, plane))
-    normal, offset = np.asarray(plane.n), plane.d / scale
-    score = -mean_residual(KDTree(frame.points), normal, offset)
-    return frame.ranking(normal[None], np.array([offset]), np.array([score]))
+    name: ClassVar[str] = "pyclarcs"
+
+    diagonal: float = DIAGONAL
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks the plane alone, see `Baseline.rank`; draws the seed of the package's subsampling.
+
+        Raises:
+            ImportError: the package is not installed.
+        """
+        try:
+            from pyclarcs.coarse import coarse_symmetry
+            from pyclarcs.fine import em_icp_sym, em_icp_sym_corres
+            from pyclarcs.principal_axes import best_principal_axis_plane
+        except ImportError as error:
+            raise ImportError("pyclarcs is not installed: pip install pyclarcs==0.4.4") from error
+
+        frame = framed(points, rng, most=len(points))
+        scale = self.diagonal / float(np.linalg.norm(np.ptp(frame.points, axis=0)))
+        scaled = scale * frame.points
+        plane = coarse_symmetry(scaled, best_principal_axis_plane(scaled), seed=int(rng.integers(2**31)))
+        plane = em_icp_sym_corres(scaled, em_icp_sym(scaled, plane))
+        normal, offset = np.asarray(plane.n), plane.d / scale
+        score = -mean_residual(KDTree(frame.points), normal, offset)
+        return frame.ranking(normal[None], np.array([offset]), np.array([score]))

@@ -1,6 +1,5 @@
-"""What a rival is given and what it answers: points in a common frame, ranked planes with scores."""
+"""What a baseline works on and what it answers: points in a common frame, ranked planes with scores."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -25,10 +24,6 @@ class Ranking(NamedTuple):
     def plane(self, k: int = 0) -> Plane:
         """The k-th best plane."""
         return Plane(self.normals[k], self.offsets[k])
-
-
-Rival = Callable[..., Ranking]
-"""`find(points, *, rng, **parameters)`: points of shape (n, 3), a generator of the randomness, named parameters."""
 
 
 class Frame(NamedTuple):

@@ -5,9 +5,13 @@ squares of P. H. S. Torr and A. Zisserman, *MLESAC*, CVIU 78, 2000, on the very 
 "RANSAC" gives neither pairs nor parameters: all values here are our choice.
 """
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 from jaxtyping import Float
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.matches import matches
 from experiments.baselines.ranking import Ranking, distinct, reflect
@@ -23,66 +27,56 @@ MIN_INLIERS = 3
 """Fewer pairs do not fix a plane against one outlier."""
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    draws: int = 500,
-    threshold: float = THRESHOLD,
-    shortest: float = 0.3,
-    refits: int = 2,
-    most: int = 3,
-    drop_outliers: bool = False,
-) -> Ranking:
+@dataclass(frozen=True, kw_only=True)
+class RansacOnMatches(Baseline):
     """The planes that most pairs of a cloud agree with.
 
-    Args:
-        points: the cloud.
-        rng: draws the pairs that make planes.
+    Distinct planes by 1 − mean of min(ρ², τ²)/τ², with ρ the residual of a pair and τ the threshold.
+
+    Attributes:
         draws: most pairs drawn, none twice.
         threshold: residual of an inlier, in mean radii.
         shortest: share of the pairs, the shortest, that make no planes: their directions are the least certain.
         refits: least-squares fits to the inliers that follow.
         most: planes that are kept.
-        drop_outliers: leave out scattered outliers before pairs are made.
-
-    Returns:
-        Distinct planes by 1 − mean of min(ρ², τ²)/τ², with ρ the residual of a pair and τ the threshold.
-
-    Raises:
-        SymjaxError: there is no surface to take pairs from; the subclass says why.
     """
-    frame, x, y = matches(points, rng, drop_outliers=drop_outliers)
-    planes = consensus(x, y, rng, draws=draws, threshold=threshold, shortest=shortest, refits=refits, most=most)
-    return frame.ranking(*planes)
 
+    name: ClassVar[str] = "ransac-matches"
+    several: ClassVar[bool] = True
 
-def consensus(
-    x: Float[np.ndarray, "q 3"],
-    y: Float[np.ndarray, "q 3"],
-    rng: np.random.Generator,
-    *,
-    draws: int = 500,
-    threshold: float = THRESHOLD,
-    shortest: float = 0.3,
-    refits: int = 2,
-    most: int = 3,
-) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"], Float[np.ndarray, "k"]]:
-    """The planes that most pairs agree with: normals, offsets and scores; arguments as of `find`."""
-    step = y - x
-    length = np.linalg.norm(step, axis=1)
-    longest = np.argsort(-length, kind="stable")[: len(x) - int(shortest * len(x))]
-    drawn = longest[rng.permutation(len(longest))[:draws]]
-    normals = step[drawn] / length[drawn, None]
-    offsets = (normals * (x + y)[drawn] / 2).sum(axis=1)
-    scores = agreement(normals, offsets, x, y, threshold)
-    best = distinct(normals, offsets, scores, apart=APART, most=most)
-    planes = [refit(normals[k], offsets[k], x, y, threshold, refits) for k in best]
-    normals, offsets = (np.array(part) for part in zip(*planes, strict=True))
-    scores = agreement(normals, offsets, x, y, threshold)
-    # two planes may have been fitted to the same pairs
-    best = distinct(normals, offsets, scores, apart=APART, most=most)
-    return normals[best], offsets[best], scores[best]
+    draws: int = 500
+    threshold: float = THRESHOLD
+    shortest: float = 0.3
+    refits: int = 2
+    most: int = 3
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`; draws the pairs that make planes.
+
+        Raises:
+            SymjaxError: there is no surface to take pairs from; the subclass says why.
+        """
+        frame, x, y = matches(points, rng)
+        return frame.ranking(*self.consensus(x, y, rng))
+
+    def consensus(
+        self, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"], rng: np.random.Generator
+    ) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"], Float[np.ndarray, "k"]]:
+        """The planes that most pairs agree with: normals, offsets and scores."""
+        step = y - x
+        length = np.linalg.norm(step, axis=1)
+        longest = np.argsort(-length, kind="stable")[: len(x) - int(self.shortest * len(x))]
+        drawn = longest[rng.permutation(len(longest))[: self.draws]]
+        normals = step[drawn] / length[drawn, None]
+        offsets = (normals * (x + y)[drawn] / 2).sum(axis=1)
+        scores = agreement(normals, offsets, x, y, self.threshold)
+        best = distinct(normals, offsets, scores, apart=APART, most=self.most)
+        planes = [refit(normals[k], offsets[k], x, y, self.threshold, self.refits) for k in best]
+        normals, offsets = (np.array(part) for part in zip(*planes, strict=True))
+        scores = agreement(normals, offsets, x, y, self.threshold)
+        # two planes may have been fitted to the same pairs
+        best = distinct(normals, offsets, scores, apart=APART, most=self.most)
+        return normals[best], offsets[best], scores[best]
 
 
 def agreement(

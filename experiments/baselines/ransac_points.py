@@ -6,15 +6,19 @@ points and not through p1 + (p1 − p2)/2; planes are told apart by angle and of
 one of distances and not of their squares, and of the longest principal side and not of the x axis, which turns with the
 pose.
 
-Theirs are also `radius=0.05, confidence=0.95, draws=1000, judges=None, refits=0`. They stop when two inliers would have
+Theirs are also the parameters of `as_released`. They stop when two inliers would have
 been drawn with 95 %; but two inliers are seldom each other's mirror image, so that six or seven planes are drawn, and
 of 100 generated objects two to four are right. By default more are drawn, and the best are refitted.
 """
+
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.pca import principal_axes
 from experiments.baselines.ranking import Ranking, distinct, framed, reflect
@@ -36,47 +40,54 @@ MIN_INLIERS = 3
 """Fewer pairs do not fix a plane against one outlier."""
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    most: int = 2000,
-    radius: float = RADIUS,
-    draws: int = 5000,
-    confidence: float | None = None,
-    judges: int | None = 300,
-    refits: int = 10,
-    planes: int = 3,
-) -> Ranking:
-    """The planes that mirror most of a cloud onto the cloud.
+@dataclass(frozen=True, kw_only=True)
+class RansacOnPoints(Baseline):
+    """The planes that mirror most of a cloud onto the cloud: distinct ones by the share of images that meet it.
 
-    Args:
-        points: the cloud.
-        rng: draws the points that are kept of a larger cloud, those that vote first, and those that make planes.
-        most: points that are kept.
+    Attributes:
+        most: points that are kept of a larger cloud.
         radius: distance of a mirror image from the cloud within which it votes, in longest principal sides.
         draws: most planes that are drawn.
         confidence: of having drawn two inliers, at which drawing ends; None draws all.
         judges: points that vote on what is drawn; None is all. All vote on the planes that are kept.
         refits: least-squares fits to inliers and their nearest points that follow.
         planes: planes that are kept.
-
-    Returns:
-        Distinct planes by the share of mirror images that meet the cloud.
     """
-    frame = framed(points, rng, most=most)
-    tree = KDTree(frame.points)
-    reach = radius * float(np.ptp(frame.points @ principal_axes(frame.points).T, axis=0).max())
-    voters = frame.points[rng.permutation(len(frame.points))[:judges]]
-    normals, offsets = drawn(frame.points, draws, rng)
-    ratios = voted(normals, offsets, voters, tree, reach, confidence)
-    best = distinct(normals[: len(ratios)], offsets[: len(ratios)], ratios, apart=APART, most=planes)
-    fitted = [refit(normals[k], offsets[k], tree, reach, refits) for k in best]
-    normals, offsets = (np.array(part) for part in zip(*fitted, strict=True))
-    ratios = votes(normals, offsets, frame.points, tree, reach)
-    best = distinct(normals, offsets, ratios, apart=APART, most=planes)
-    best = best[(ratios[best] >= LEAST_RATIO) | (np.arange(len(best)) == 0)]
-    return frame.ranking(normals[best], offsets[best], ratios[best])
+
+    name: ClassVar[str] = "ransac-points"
+    several: ClassVar[bool] = True
+
+    most: int = 2000
+    radius: float = RADIUS
+    draws: int = 5000
+    confidence: float | None = None
+    judges: int | None = 300
+    refits: int = 10
+    planes: int = 3
+
+    @classmethod
+    def as_released(cls) -> "RansacOnPoints":
+        """With the stopping rule and the parameters of the organisers' program."""
+        return cls(radius=0.05, confidence=0.95, draws=1000, judges=None, refits=0)
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`.
+
+        Draws the points that are kept, those that vote first, and those that make planes.
+        """
+        frame = framed(points, rng, most=self.most)
+        tree = KDTree(frame.points)
+        reach = self.radius * float(np.ptp(frame.points @ principal_axes(frame.points).T, axis=0).max())
+        voters = frame.points[rng.permutation(len(frame.points))[: self.judges]]
+        normals, offsets = drawn(frame.points, self.draws, rng)
+        ratios = voted(normals, offsets, voters, tree, reach, self.confidence)
+        best = distinct(normals[: len(ratios)], offsets[: len(ratios)], ratios, apart=APART, most=self.planes)
+        fitted = [refit(normals[k], offsets[k], tree, reach, self.refits) for k in best]
+        normals, offsets = (np.array(part) for part in zip(*fitted, strict=True))
+        ratios = votes(normals, offsets, frame.points, tree, reach)
+        best = distinct(normals, offsets, ratios, apart=APART, most=self.planes)
+        best = best[(ratios[best] >= LEAST_RATIO) | (np.arange(len(best)) == 0)]
+        return frame.ranking(normals[best], offsets[best], ratios[best])
 
 
 def drawn(

@@ -1,4 +1,4 @@
-"""The methods of the arena by name: ours, the paper's, and the rivals.
+"""The methods of the arena by name: ours, the paper's, and the baselines.
 
 One more method is one more file beside this one and one more line in `ENTRIES`.
 """
@@ -6,30 +6,28 @@ One more method is one more file beside this one and one more line in `ENTRIES`.
 import importlib.util
 import sys
 import warnings
-from collections.abc import Callable, Iterable
-from functools import partial
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 import symjax
-from experiments.baselines import (
-    cicconet,
-    hruda,
-    kazhdan,
-    maximum_likelihood,
-    nagar_raman,
-    pca,
-    pyclarcs_em,
-    ransac_matches,
-    ransac_points,
-    three_d_symm,
-)
-from experiments.baselines.ranking import Ranking, Rival
-from experiments.studies.symhks import choices
+from experiments.baselines.cicconet import Cicconet
+from experiments.baselines.hruda import Hruda
+from experiments.baselines.kazhdan import Kazhdan
+from experiments.baselines.maximum_likelihood import MaximumLikelihood
+from experiments.baselines.nagar_raman import NagarRaman
+from experiments.baselines.pca import PCA
+from experiments.baselines.pyclarcs_em import Pyclarcs
+from experiments.baselines.ransac_matches import RansacOnMatches
+from experiments.baselines.ransac_points import RansacOnPoints
+from experiments.baselines.three_d_symm import ThreeDSymm
+from symjax import Detection, Robust, SymHKS
+from symjax.detection.detect import MAX_PLANES
 from symjax.errors import SymjaxWarning
-from symjax.geometry.plane import Plane
+from symjax.method.protocol import Method
+from symjax.preprocess.cloud import MAX_POINTS
 
 OURS = "robust"
 """The default of `symjax.detect`."""
@@ -40,109 +38,67 @@ PEER = "pyclarcs"
 COMPILED = ("kazhdan", "3dsymm-26", PEER)
 """Methods of which the first call in a process compiles what later ones need: its time says nothing of theirs."""
 
-AS_PRINTED = choices.AS_PRINTED.arguments_of_detect
-"""The paper's choices, where it says any; likelihood and RANSAC on matches have the matches of ours."""
-
 BY_SIZE = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned")
 """Methods that may compile anew for another number of points, or of matches."""
 
-
-MOST_MERIT = 2.0
-"""No candidate of symjax has as much."""
-
-
-class Proposal(NamedTuple):
-    """What a method says of a cloud.
-
-    Attributes:
-        ranking: all planes that it looked at in the end, the best first.
-        held: which of them it takes for mirror planes: all, unless it can doubt.
-        ambiguous: whether it says that others are as good as the first.
-    """
-
-    ranking: Ranking
-    held: Bool[np.ndarray, "k"]
-    ambiguous: bool = False
-
-    @property
-    def found(self) -> bool:
-        """Whether it takes any for a mirror plane."""
-        return bool(self.held.any())
+ALL = 10**9
+"""More points, and more planes, than there are."""
 
 
 class Entry(NamedTuple):
-    """A method.
+    """A method of the arena.
 
     Attributes:
         title: what tables call it.
-        propose: what it says of points, given a generator of its randomness.
+        method: the method.
+        drop_outliers: whether scattered outliers are left out first; None leaves it to the method.
+        max_points: larger clouds are thinned to this many before the method sees them.
+        max_planes: most planes that count.
     """
 
     title: str
-    propose: Callable[[Float[np.ndarray, "n 3"], np.random.Generator], Proposal]
+    method: Method
+    drop_outliers: bool | None = None
+    max_points: int = MAX_POINTS
+    max_planes: int = MAX_PLANES
+
+    def detect(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Detection:
+        """What `symjax.detect` answers with the method; its warnings are left to the notes."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SymjaxWarning)
+            return symjax.detect(
+                points,
+                self.method,
+                rng=rng,
+                drop_outliers=self.drop_outliers,
+                max_points=self.max_points,
+                max_planes=self.max_planes,
+            )
 
 
-def _symjax(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, **options: Any) -> Proposal:
-    """Candidates by their merit, which is what symjax ranks them by, behind those that are its mirror planes."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        said = symjax.detect(points, rng=rng, **options)
-    planes = [candidate.plane for candidate in said.candidates]
-    normals, offsets = (np.array(part, float) for part in zip(*planes, strict=True))
-    canonical = Plane(normals, offsets).canonical()
-    # a candidate that was not polished stands behind those that were, whatever its merit
-    merits = np.minimum.accumulate([candidate.merit for candidate in said.candidates])
-    held = np.array([any(_same(plane, mirror) for mirror in said.planes) for plane in planes])
-    scores = np.where(held, merits, merits - MOST_MERIT)
-    order = np.argsort(-scores, kind="stable")
-    ranking = Ranking(np.asarray(canonical.normal)[order], np.asarray(canonical.offset)[order], scores[order])
-    return Proposal(ranking, held[order], said.ambiguous)
-
-
-def _same(plane: Plane, other: Plane) -> bool:
-    return np.array_equal(plane.normal, other.normal) and float(plane.offset) == float(other.offset)
-
-
-def _rival(
-    points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, find: Rival, several: bool, **options: Any
-) -> Proposal:
-    """A method that never doubts its best plane; it holds the others if it lists only what its own rule accepts."""
-    ranking = find(points, rng=rng, **options)
-    return Proposal(ranking, np.full(len(ranking.offsets), several) | (np.arange(len(ranking.offsets)) == 0))
-
-
-def _entry(title: str, find: Rival, *, several: bool = False, **options: Any) -> Entry:
-    return Entry(title, partial(_rival, find=find, several=several, **options))
+def baseline(title: str, method: Method) -> Entry:
+    """A method that sees the points as they are, thins them itself, and of which all planes count."""
+    return Entry(title, method, max_points=ALL, max_planes=ALL)
 
 
 ENTRIES: dict[str, Entry] = {
-    OURS: Entry("symjax", partial(_symjax, method="robust")),
-    "sym-hks-printed": Entry("Algorithm 1 as printed", partial(_symjax, method="sym-hks", **AS_PRINTED)),
-    "sym-hks": Entry("Algorithm 1, our choices", partial(_symjax, method="sym-hks")),
-    "sym-hks-cleaned": Entry(
-        "Algorithm 1, our choices, outliers dropped", partial(_symjax, method="sym-hks", drop_outliers=True)
-    ),
-    "pca": _entry("PCA", pca.find),
-    "mle-printed": _entry("MLE as printed", maximum_likelihood.find, as_printed=True),
-    "mle": _entry("MLE, corrected", maximum_likelihood.find),
-    "ransac-matches": _entry("RANSAC on matches", ransac_matches.find, several=True),
-    "ransac-points": _entry("RANSAC on points", ransac_points.find, several=True),
-    "ransac-released": _entry(
-        "RANSAC on points, released stopping rule",
-        ransac_points.find,
-        radius=0.05,
-        confidence=0.95,
-        draws=1000,
-        judges=None,
-        refits=0,
-    ),
-    "kazhdan": _entry("Kazhdan", kazhdan.find),
-    "cicconet": _entry("Cicconet", cicconet.find),
-    "hruda": _entry("after Hruda", hruda.find, several=True),
-    "3dsymm": _entry("after 3DSymm, from PCA", three_d_symm.find),
-    "3dsymm-26": _entry("after 3DSymm, from 26 starts", three_d_symm.find, starts="half-sphere"),
-    "nagar-raman": _entry("after Nagar and Raman 2019", nagar_raman.find),
-    PEER: _entry("Combès (pyclarcs)", pyclarcs_em.find),
+    OURS: Entry("symjax", Robust()),
+    "sym-hks-printed": Entry("Algorithm 1 as printed", SymHKS.as_printed()),
+    "sym-hks": Entry("Algorithm 1, our choices", SymHKS()),
+    "sym-hks-cleaned": Entry("Algorithm 1, our choices, outliers dropped", SymHKS(), drop_outliers=True),
+    "pca": baseline("PCA", PCA()),
+    "mle-printed": baseline("MLE as printed", MaximumLikelihood(as_printed=True)),
+    "mle": baseline("MLE, corrected", MaximumLikelihood()),
+    "ransac-matches": baseline("RANSAC on matches", RansacOnMatches()),
+    "ransac-points": baseline("RANSAC on points", RansacOnPoints()),
+    "ransac-released": baseline("RANSAC on points, released stopping rule", RansacOnPoints.as_released()),
+    "kazhdan": baseline("Kazhdan", Kazhdan()),
+    "cicconet": baseline("Cicconet", Cicconet()),
+    "hruda": baseline("after Hruda", Hruda()),
+    "3dsymm": baseline("after 3DSymm, from PCA", ThreeDSymm()),
+    "3dsymm-26": baseline("after 3DSymm, from 26 starts", ThreeDSymm(starts="half-sphere")),
+    "nagar-raman": baseline("after Nagar and Raman 2019", NagarRaman()),
+    PEER: baseline("Combès (pyclarcs)", Pyclarcs()),
 }
 """By the name on the command line."""
 

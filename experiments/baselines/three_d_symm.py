@@ -7,16 +7,18 @@ no pair left out. How they begin is not known to us, so both starts are our choi
 """
 
 from collections.abc import Callable, Iterable
-from typing import Literal
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
+from experiments.baselines.baseline import Baseline
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.pca import principal_axes
 from experiments.baselines.ranking import Frame, Ranking, distinct, framed, plane_distance, reflect
-from symjax.l2e.manifolds import fibonacci
+from symjax.geometry.directions import fibonacci
 
 NUM_DIRECTIONS = 26
 """No direction is then further than 23 degrees from one of them."""
@@ -28,32 +30,32 @@ Match = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
 """Gives the points of the cloud that mirror images are matched with."""
 
 
-def find(
-    points: Float[np.ndarray, "n 3"],
-    *,
-    rng: np.random.Generator,
-    starts: Literal["pca", "half-sphere"] = "pca",
-    most: int = 5000,
-    steps: int = 100,
-    tol: float = 1e-6,
-) -> Ranking:
+@dataclass(frozen=True, kw_only=True)
+class ThreeDSymm(Baseline):
     """The distinct planes that the starts end in.
 
-    Args:
-        points: the cloud.
-        rng: draws the points that are kept of a larger cloud.
+    They are ranked by minus the root mean square distance of mirror images from the cloud, in mean radii.
+
+    Attributes:
         starts: planes through the mean to begin with: "pca", the three principal ones, or "half-sphere", 26 of a
             Fibonacci spiral.
-        most: points that are kept.
+        most: points that are kept of a larger cloud, drawn at random.
         steps: most rounds from a start.
         tol: distance of two planes (see `plane_distance`) at which a start has converged.
-
-    Returns:
-        Planes by minus the root mean square distance of mirror images from the cloud, in mean radii.
     """
-    frame = framed(points, rng, most=most)
-    directions = {"pca": principal_axes(frame.points), "half-sphere": half_sphere()}[starts]
-    return ended(frame, directions, nearest(frame.points), steps=steps, tol=tol)
+
+    name: ClassVar[str] = "3dsymm"
+
+    starts: Literal["pca", "half-sphere"] = "pca"
+    most: int = 5000
+    steps: int = 100
+    tol: float = 1e-6
+
+    def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
+        """Ranks planes of a cloud, see `Baseline.rank`."""
+        frame = framed(points, rng, most=self.most)
+        directions = {"pca": principal_axes(frame.points), "half-sphere": half_sphere()}[self.starts]
+        return ended(frame, directions, nearest(frame.points), steps=self.steps, tol=self.tol)
 
 
 def ended(
@@ -112,4 +114,4 @@ def nearest(points: Float[np.ndarray, "n 3"]) -> Match:
 
 def half_sphere() -> Float[np.ndarray, "26 3"]:
     """Directions spread evenly over the half sphere: v and −v are the same mirror."""
-    return np.asarray(fibonacci(NUM_DIRECTIONS), np.float64)
+    return fibonacci(NUM_DIRECTIONS)

@@ -1,1 +1,1 @@
-"""All methods on the same corrupted clouds: tasks, rows, tables and curves of `experiments.studies.paper.arena` and its figures."""
+"""All methods on the same corrupted clouds: objects, tasks, rows, leaderboard, curves and what the paper prints."""

@@ -8,7 +8,7 @@ import numpy as np
 from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, answered, tallies, title
 from experiments.data.corruptions import SWEPT
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 from experiments.metrics import ranked
 
 if TYPE_CHECKING:
@@ -81,10 +81,10 @@ def draw_sweep(
 
     Args:
         axes: to draw on.
-        lines: of `standings`.
+        lines: of `leaderboard`.
         corruption: "outliers" or "missing".
         printed: the paper's figures by method and condition.
-        measure: of `standing.MEASURES`.
+        measure: of `leaderboard.MEASURES`.
     """
     first = lines[0]["benchmark"]
     at = shares(dict.fromkeys(line["condition"] for line in lines), corruption)

@@ -1,22 +1,21 @@
 """One method on one corrupted cloud: the task that the arena is made of."""
 
-import warnings
-from time import perf_counter
-
 import numpy as np
 
 from experiments.baselines.ranking import Ranking
-from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES, Proposal
-from experiments.comparison.objects import DENSE, Entrant, entrant
+from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES
+from experiments.comparison.attempt import attempt, ranked_planes
+from experiments.comparison.objects import DENSE, BenchmarkObject, benchmark_object
 from experiments.data import corruptions
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 from experiments.metrics import funk
 from experiments.metrics.answered import Answered
 from experiments.metrics.deviation import deviation
 from experiments.metrics.gte import gte
 from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
+from symjax import Detection
 
-FUNCTION = f"{__name__}:compete"
+FUNCTION = f"{__name__}:evaluate"
 """What the runner is given."""
 
 STEPS = int(funk.LARGEST_ANGLE)
@@ -41,17 +40,17 @@ WARM: set[tuple[str, str, int]] = set()
 """Methods, conditions and sizes that this process has compiled programs for."""
 
 
-def compete(
+def evaluate(
     method: str, benchmark: str, item: int, name: str, condition: str, seed: int, num_points: int, data: str = ""
 ) -> Row:
     """What a method makes of an object in a random pose, corrupted then.
 
     Args:
         method: one of `ENTRIES`.
-        benchmark: one of `entrant.NAMES`.
+        benchmark: one of `objects.NAMES`.
         item: number of the object.
         name: of the object.
-        condition: one of `conditions.SWEPT`.
+        condition: one of `corruptions.SWEPT`.
         seed: of the pose, the points, the corruption and the method.
         num_points: points before the corruption.
         data: folder of the benchmark.
@@ -65,35 +64,21 @@ def compete(
     Raises:
         ValueError: the object of this number has another name: the benchmark is not what it was.
     """
-    whole = entrant(benchmark, data, item, seed, num_points)
+    whole = benchmark_object(benchmark, data, item, seed, num_points)
     if whole.case.name != name:
         raise ValueError(f"object {item} of {benchmark} is {whole.case.name!r} and not {name!r}")
     points = next(corruptions.trials([whole.case], [condition])).points
     key = (method, condition, num_points)
+    entry = ENTRIES[method]
     if method in BY_SIZE or (method in COMPILED and key not in WARM):
         WARM.add(key)
-        _propose(method, points, [seed, item])
-    start = perf_counter()
-    said = _propose(method, points, [seed, item])
-    seconds = perf_counter() - start
-    about = _about(whole) | {"seconds": seconds}
-    if isinstance(said, Exception):
-        return about | NO_ANSWER | {"raised": repr(said)}
-    if not len(said.ranking.offsets):
-        return about | NO_ANSWER | {"raised": "no plane"}
-    return about | _judged(said, whole) | {"raised": ""}
+        attempt(entry, points, [seed, item])
+    made = attempt(entry, points, [seed, item])
+    row = _about(whole) | {"seconds": made.seconds, "raised": made.error}
+    return row | (NO_ANSWER if made.detection is None else _scored(made.detection, whole))
 
 
-def _propose(method: str, points: np.ndarray, seed: list[int]) -> Proposal | Exception:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return ENTRIES[method].propose(points, np.random.default_rng(seed))
-    except Exception as error:
-        return error
-
-
-def _about(whole: Entrant) -> Row:
+def _about(whole: BenchmarkObject) -> Row:
     case = whole.case
     return {
         "group": case.group,
@@ -103,18 +88,18 @@ def _about(whole: Entrant) -> Row:
     }
 
 
-def _judged(said: Proposal, whole: Entrant) -> Row:
-    ranking, case = said.ranking, whole.case
+def _scored(detection: Detection, whole: BenchmarkObject) -> Row:
+    (ranking, is_held), case = ranked_planes(detection), whole.case
     every = Answered(ranking, case)
-    held = Answered(Ranking(*(column[said.held] for column in ranking)), case)
+    held = Answered(Ranking(*(column[is_held] for column in ranking)), case)
     off, error, best = deviation(ranking.plane(), case), gte(every), ranking.plane()
     seen = len(whole.dense) >= DENSE
     sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if seen else None
     return {
         "planes": np.column_stack(ranking).tolist(),
-        "held": said.held.tolist(),
-        "found": said.found,
-        "ambiguous": bool(said.ambiguous),
+        "held": is_held.tolist(),
+        "found": detection.found,
+        "ambiguous": detection.ambiguous,
         "angle": float(off.angle),
         "offset_error": float(off.offset),
         "gte": error.plain,

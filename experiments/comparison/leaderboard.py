@@ -11,7 +11,7 @@ from experiments.comparison.objects import TITLES
 from experiments.comparison.tracks import TRACKS, tracks
 from experiments.data.cases import Case
 from experiments.data.corruptions import Deviation
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 from experiments.metrics import hits, ranked
 from experiments.metrics.answered import Answered
 from experiments.metrics.tally import Tally, pooled
@@ -80,7 +80,7 @@ def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
     ]
 
 
-def standing(rows: Sequence[Row]) -> Row:
+def measures_of(rows: Sequence[Row]) -> Row:
     """The figures of `MEASURES` and `OTHERS`, and how many objects and answers they are of.
 
     Args:
@@ -122,7 +122,7 @@ def _mean(rows: Sequence[Row], column: str, unit: float) -> float | str:
     return float(np.mean(values)) / unit if values else ""
 
 
-def standings(rows: Iterable[Row]) -> list[Row]:
+def leaderboard(rows: Iterable[Row]) -> list[Row]:
     """A line a benchmark, condition and method, in the order in which they come."""
     groups: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
@@ -131,7 +131,7 @@ def standings(rows: Iterable[Row]) -> list[Row]:
         {
             **{"benchmark": title(benchmark), "condition": condition, "method": method},
             **{"title": ENTRIES[method].title, "points": of_one[0]["num_points"]},
-            **standing(of_one),
+            **measures_of(of_one),
         }
         for (benchmark, condition, method), of_one in groups.items()
     ]
@@ -143,7 +143,7 @@ def title(benchmark: str) -> str:
 
 
 def pivot(lines: Sequence[Row], measures: Iterable[str]) -> list[Row]:
-    """Standings as methods by conditions, a block a benchmark and measure."""
+    """The leaderboard as methods by conditions, a block a benchmark and measure."""
     conditions = list(dict.fromkeys(line["condition"] for line in lines))
     cell = {(line["benchmark"], line["title"], line["condition"]): line for line in lines}
     return [

@@ -15,14 +15,14 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.data import folder, funk, procedural, shapenet, shrec2016, shrec2023, ycb
-from experiments.data.absence import DataAbsentError
 from experiments.data.cases import MODELS, Case
 from experiments.data.procedural import Procedural
 from experiments.data.shape import Shape
+from experiments.framework.absence import DataAbsentError
 from experiments.metrics.patch import Patches, from_corners
 
 DENSE = 30_000
-"""Points of the dense sample: what `scores.sde.cloud_sde` asks for."""
+"""Points of the dense sample: what `metrics.sde.cloud_sde` asks for."""
 
 PROCEDURAL, REAL = "procedural", "real"
 
@@ -43,8 +43,8 @@ TITLES = {PROCEDURAL: procedural.NAME, REAL: "the shared real models"}
 """What tables call those whose name does not say it."""
 
 
-class Entrant(NamedTuple):
-    """An object that methods compete on.
+class BenchmarkObject(NamedTuple):
+    """An object that methods are evaluated on.
 
     Attributes:
         case: posed and whole, with the planes that are right.
@@ -113,7 +113,7 @@ def items(benchmark: str, data: str, most: int) -> dict[int, str]:
 
 
 @lru_cache(maxsize=2)
-def entrant(benchmark: str, data: str, item: int, seed: int, num_points: int) -> Entrant:
+def benchmark_object(benchmark: str, data: str, item: int, seed: int, num_points: int) -> BenchmarkObject:
     """An object of a benchmark.
 
     Args:
@@ -131,4 +131,4 @@ def entrant(benchmark: str, data: str, item: int, seed: int, num_points: int) ->
         shape = _shelf(benchmark, data).shape(item)
         whole, corners = shape.case(drawn, seed), shape.posed(seed).corners
         truths = None if corners is None else from_corners(corners)
-    return Entrant(whole._replace(points=whole.points[:num_points]), whole.points[num_points:], truths)
+    return BenchmarkObject(whole._replace(points=whole.points[:num_points]), whole.points[num_points:], truths)

@@ -1,23 +1,22 @@
 """What is run, and what came of it: all figures and tables share one file of results, so that nothing is done twice."""
 
-import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from experiments.baselines.registry import ENTRIES, usable
 from experiments.comparison import evaluate, objects
-from experiments.data.corruptions import SWEPT, chosen
+from experiments.data.corruptions import SWEPT
 from experiments.execution import run
 from experiments.execution.result import Result
-from experiments.framework import study
-from experiments.framework.study import PROJECT, Row
+from experiments.framework.options import chosen
+from experiments.framework.tables import Row
 
 RESULTS = "arena.jsonl"
-"""Name of the file of results, by default in the folder of the tables."""
+"""Name of the file of results, in the folder of the tables."""
 
 METHODS = ",".join(ENTRIES)
 
@@ -41,7 +40,7 @@ class Config:
         methods: which methods, separated by commas.
         conditions: which conditions, separated by commas.
         data: folder of the benchmarks that are read; `real` has one of its own.
-        results: file of results (JSON Lines); what it holds is not done again.
+        results: file of results (JSON Lines), whose tasks are not done again; empty is `arena.jsonl` beside the tables.
         jobs: tasks at a time on this machine; −1 is one a core.
         dask: address of the scheduler of a cluster to run them on instead.
         seconds: that a task may take.
@@ -55,7 +54,7 @@ class Config:
     methods: str = METHODS
     conditions: str = ALL
     data: str = ""
-    results: str = str(PROJECT / "experiments" / "out" / RESULTS)
+    results: str = ""
     jobs: int = -1
     dask: str = ""
     seconds: float = 600.0
@@ -77,26 +76,13 @@ def sizes(conditions: str, small: str, *, methods: str = METHODS) -> dict[str, C
     }
 
 
-def main(
-    file: str,
-    doc: str | None,
-    of_size: Mapping[str, Config],
-    rows: Callable[[Config], list[Row]],
-    summary: Callable[[list[Row]], list[Row]],
-    *,
-    draw: Callable[[Config, list[Row], Path], None] | None = None,
-    argv: Sequence[str] | None = None,
-) -> None:
-    """`report.main` with the file of results in the folder of the tables, whichever that is."""
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    parser.add_argument("--out", type=Path, default=Path(Config.results).parent)
-    out = parser.parse_known_args(argv)[0].out
-    moved = {size: replace(config, results=str(out / RESULTS)) for size, config in of_size.items()}
-    study.main(file, doc, moved, rows, summary, draw=draw, argv=argv)
+def place(config: Config, folder: Path) -> Config:
+    """The configuration with its file of results in the folder of the tables, unless it names another."""
+    return config if config.results else replace(config, results=str(folder / RESULTS))
 
 
 def tasks(config: Config) -> list[Row]:
-    """The arguments of all calls of `compete`, an object after the other, so that it is made once a process.
+    """The arguments of all calls of `evaluate`, an object after the other, so that it is made once a process.
 
     Raises:
         ValueError: a name is unknown.
@@ -120,7 +106,7 @@ def tasks(config: Config) -> list[Row]:
 
 @lru_cache(maxsize=1)
 def outcomes(config: Config) -> list[Row]:
-    """A row a task: its arguments, what `compete` returned or, where a limit ended it, that there is no answer."""
+    """A row a task: its arguments, what `evaluate` returned or, where a limit ended it, that there is no answer."""
     results = run(
         tasks(config),
         evaluate.FUNCTION,

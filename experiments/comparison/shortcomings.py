@@ -5,17 +5,17 @@ from collections.abc import Mapping, Sequence
 from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, OTHERS
 from experiments.comparison.measure import Measure
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 
 DIGITS = 3
 """Significant ones that tables show: what is the same in them is a tie."""
 
 
-def sentences(lines: Sequence[Row], measures: Mapping[str, Measure] = MEASURES | OTHERS) -> list[str]:
+def shortcomings(lines: Sequence[Row], measures: Mapping[str, Measure] = MEASURES | OTHERS) -> list[str]:
     """One for every benchmark, condition and measure in which another method is better, and one that counts the rest.
 
     Args:
-        lines: of `standings`.
+        lines: of `leaderboard`.
         measures: by the name of the column.
     """
     said, columns = [], 0

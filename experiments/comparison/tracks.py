@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from experiments.comparison.measure import Measure
-from experiments.framework.study import Row
+from experiments.framework.tables import Row
 from experiments.metrics import e3sym, shrec
 from experiments.metrics.answered import Answered
 

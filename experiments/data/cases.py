@@ -1,4 +1,4 @@
-"""Clouds with known planes for the whole road: generated objects, and the real models of a folder."""
+"""Clouds with known planes to detect: generated objects, and the real models of a folder."""
 
 import json
 import sys
@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from experiments.framework.study import PROJECT
+from experiments.framework.project import PROJECT
 from symjax import datasets
 from symjax.datasets.sample import Symmetry
 from symjax.geometry.plane import Plane

@@ -27,7 +27,7 @@ CONDITIONS: dict[str, dict[str, Any]] = {
     "noise1": {"noise": 0.01},
     "view": {"one_sided": True},
 }
-"""Arguments of `samples.corrupt` by the name of the condition."""
+"""Arguments of `datasets.corrupt` by the name of the condition."""
 
 SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
     "out40": {"outliers": 0.4},
@@ -96,20 +96,6 @@ class Deviation(NamedTuple):
     def right(self) -> bool:
         """Whether both are within their limits."""
         return self.angle < WITHIN_ANGLE and self.offset < WITHIN_OFFSET
-
-
-def chosen(names: str, known: Iterable[str]) -> list[str]:
-    """The names in a comma separated list.
-
-    Raises:
-        ValueError: one is not among those known.
-    """
-    known = list(known)
-    listed = [name.strip() for name in names.split(",")]
-    for name in listed:
-        if name not in known:
-            raise ValueError(f"{name!r} is unknown: choose from {', '.join(known)}")
-    return listed
 
 
 def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.data.absence import required
 from experiments.data.shape import Shape, read_shape
+from experiments.framework.absence import required
 from symjax.errors import FileFormatError
 from symjax.geometry.plane import Plane
 

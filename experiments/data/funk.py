@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from experiments.data.absence import DataAbsentError, required
 from experiments.data.numberfile import NumberFile
 from experiments.data.shape import Shape, read_shape, through
+from experiments.framework.absence import DataAbsentError, required
 from symjax.errors import FileFormatError
 from symjax.io.points import MESHES
 

@@ -22,7 +22,7 @@ PROCEDURAL_KINDS = tuple(kind for kind, about in KINDS.items() if about.symmetry
 """The kinds with one plane or with several."""
 
 SEED = 1
-"""With 0 some objects would be those of `clouds.generated`, on which thresholds were chosen."""
+"""With 0 some objects would be those of `cases.generated`, on which thresholds were chosen."""
 
 
 def kind(k: int) -> str:

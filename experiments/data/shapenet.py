@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from scipy.io import loadmat
 
-from experiments.data.absence import DataAbsentError, required
 from experiments.data.shape import Shape, read_shape
+from experiments.framework.absence import DataAbsentError, required
 from symjax.errors import FileFormatError
 from symjax.geometry.plane import Plane
 from symjax.io import parsing

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from experiments.data import folder as listing
-from experiments.data.absence import DataAbsentError, required
 from experiments.data.shape import Shape, read_shape
+from experiments.framework.absence import DataAbsentError, required
 
 INSTRUCTIONS = """SHREC'16: partial matching of deformable shapes.
 Get http://www.dais.unive.it/~shrec2016/data/shrec2016_PartialDeformableShapes.zip (training) or

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.data.absence import DataAbsentError, required
 from experiments.data.numberfile import NumberFile
 from experiments.data.shape import Shape, read_shape, through
+from experiments.framework.absence import DataAbsentError, required
 from symjax.geometry.plane import Plane
 
 INSTRUCTIONS = """SHREC 2023: symmetry detection on point clouds, the training set, or the test set with its planes.

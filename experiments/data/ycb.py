@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.data.absence import DataAbsentError, required
 from experiments.data.numberfile import NumberFile
 from experiments.data.shape import Shape, read_shape, through
+from experiments.framework.absence import DataAbsentError, required
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis
 

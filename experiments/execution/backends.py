@@ -9,7 +9,7 @@ from joblib import Parallel, delayed
 from experiments.execution.limits import Limits
 from experiments.execution.result import Result
 from experiments.execution.task import Task
-from experiments.execution.worker_pool import Crew
+from experiments.execution.worker_pool import WorkerPool
 
 
 def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Result, None, None]:
@@ -17,13 +17,13 @@ def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Re
     # threads that only wait, each for a process of its own: joblib's processes cannot be killed one by one, and outlive
     # a runner that is killed
     parallel = Parallel(n_jobs=jobs, backend="threading", batch_size=1, return_as="generator_unordered")
-    with Crew() as crew, warnings.catch_warnings():
+    with WorkerPool() as pool, warnings.catch_warnings():
         # a run that is interrupted need not hear that results were not used
         warnings.filterwarnings("ignore", ".*limit unnecessary computation time")
-        yield from parallel(delayed(crew.attempt)(task, limits) for task in tasks)
+        yield from parallel(delayed(pool.attempt)(task, limits) for task in tasks)
 
 
-CREWS: dict[str, Crew] = {}
+POOLS: dict[str, WorkerPool] = {}
 """Of a process of the cluster, by the run: workers that a killed run left there hold the code of its day."""
 
 
@@ -58,18 +58,18 @@ def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator
         raise RuntimeError(f"{lost} tasks were lost with the processes of the cluster: run again for them")
 
 
-def _crew(run: str) -> Crew:
-    return CREWS.setdefault(run, Crew())
+def _pool(run: str) -> WorkerPool:
+    return POOLS.setdefault(run, WorkerPool())
 
 
 def _attempt(task: Task, limits: Limits, run: str) -> Result:
-    return _crew(run).attempt(task, limits)
+    return _pool(run).attempt(task, limits)
 
 
 def _dismiss() -> None:
-    for crew in list(CREWS.values()):
-        crew.dismiss()
+    for pool in list(POOLS.values()):
+        pool.dismiss()
 
 
 def _close(run: str) -> None:
-    _crew(run).close()
+    _pool(run).close()

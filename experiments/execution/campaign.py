@@ -17,7 +17,7 @@ from experiments.execution.limits import Limits
 from experiments.execution.result import Result
 from experiments.execution.store import Store
 from experiments.execution.task import Parameters, Task
-from experiments.framework import study
+from experiments.framework.provenance import provenance
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def _is_end(result: Result, limits: Limits) -> bool:
 
 def _about(config: Config, count: int) -> dict[str, Any]:
     """Where the results come from that are about to be written."""
-    about = study.provenance(shlex.join(sys.orig_argv), config, f"{count} tasks", datetime.now(UTC), 0.0)
+    about = provenance(shlex.join(sys.orig_argv), config, f"{count} tasks", datetime.now(UTC), 0.0)
     del about["wall_seconds"]
     return about
 

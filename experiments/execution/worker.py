@@ -19,7 +19,8 @@ import psutil
 from experiments.execution.limits import Limits
 from experiments.execution.result import Result, Status
 from experiments.execution.task import Task
-from experiments.framework.study import PROJECT, Row
+from experiments.framework.project import PROJECT
+from experiments.framework.tables import Row
 
 STARTS = 3
 """Processes that may end while they load a function; a function that raises then is given up at once."""

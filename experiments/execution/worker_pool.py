@@ -10,7 +10,7 @@ from experiments.execution.task import Task
 from experiments.execution.worker import Worker
 
 
-class Crew:
+class WorkerPool:
     """Workers that are started when they are needed and kept for the next task; shared between threads."""
 
     def __init__(self) -> None:
@@ -24,7 +24,7 @@ class Crew:
         """Does a task.
 
         Raises:
-            RuntimeError: its function cannot be loaded, or the crew is closed.
+            RuntimeError: its function cannot be loaded, or the pool is closed.
         """
         worker = self._idle_worker(task.function) or Worker(task.function)
         second = worker.used

@@ -1,65 +1,46 @@
-"""The experiments in the order in which they are presented."""
+"""The studies in the order in which they are presented; each is imported when it is asked for."""
 
-from pathlib import Path
-from typing import NamedTuple
+import importlib
 
-from experiments.framework.study import PROJECT
+from experiments.framework.study import Study
 
-
-class Experiment(NamedTuple):
-    """What is said of an experiment beside its docstring and its results.
-
-    Attributes:
-        data: what it runs on.
-        paper: where the paper has the like of it.
-    """
-
-    data: str
-    paper: str = "–"
-
-
-SINGLE = "generated objects with one mirror plane, in random poses"
-MADE = "generated objects of all kinds"
-WITH_REAL = f"{MADE}, and the real models of `--data` where there are any"
-BENCHMARKS = "generated objects, and at full size the real models; or any benchmark by `--benchmark` and `--data`"
-PLANTED = "planted pairs: random blobs, their mirror images, and outliers"
-
-CONTENTS = {
-    "landscape": Experiment(PLANTED, "its second figure"),
-    "deviation": Experiment(PLANTED, "its third figure"),
-    "planted": Experiment(PLANTED, '"< 7° at 65 %"'),
-    "start_angle": Experiment(SINGLE, "that L2 with alternation fails beyond 20° of the start"),
-    "arena": Experiment(BENCHMARKS, "its comparisons"),
-    "precision_recall": Experiment(BENCHMARKS, "its figure of precision against recall"),
-    "outliers": Experiment(BENCHMARKS, "its table of outliers"),
-    "missing": Experiment(BENCHMARKS, "its table of missing parts"),
-    "robustness": Experiment(WITH_REAL, "its tables of outliers and missing parts"),
-    "gte_sde": Experiment(BENCHMARKS, "its table of GTE and SDE"),
-    "partial_scans": Experiment(BENCHMARKS, "its table of partial scans"),
-    "completion": Experiment(MADE, "its figure of completion"),
-    "articulated": Experiment("a generated figure with one leg swung forward", "last example of its partial models"),
-    "growth": Experiment(MADE, "its time table"),
-    "scale": Experiment(SINGLE, "its time table"),
-    "timing": Experiment(SINGLE, "its time table"),
-    "road": Experiment(WITH_REAL),
-    "sym_hks_ablation": Experiment(SINGLE),
-    "ablation": Experiment(SINGLE),
-    "calibration": Experiment(WITH_REAL),
-    "coverage": Experiment(f"{SINGLE}, with noise"),
-    "equivariance": Experiment(MADE),
-    "sphere": Experiment("points drawn on the unit sphere and on an ellipsoid"),
-    "checks": Experiment(PLANTED),
-    "transformations": Experiment(PLANTED),
-    "gradient": Experiment(PLANTED),
-    "success": Experiment(PLANTED),
-    "self_scale": Experiment(PLANTED),
-    "speed_objective": Experiment(PLANTED),
-    "speed_fit": Experiment(PLANTED),
-    "speed_sweep": Experiment(PLANTED),
+STUDIES = {
+    "landscape": "paper.landscape:STUDY",
+    "deviation": "paper.deviation:STUDY",
+    "planted": "estimator.planted:STUDY",
+    "start_angle": "paper.start_angle:STUDY",
+    "arena": "paper.arena:STUDY",
+    "precision_recall": "paper.sweeps:PRECISION_RECALL",
+    "outliers": "paper.sweeps:OUTLIERS",
+    "missing": "paper.sweeps:MISSING",
+    "robustness": "robust.robustness:STUDY",
+    "gte_sde": "paper.sweeps:GTE_SDE",
+    "partial_scans": "paper.sweeps:PARTIAL_SCANS",
+    "completion": "paper.completion:STUDY",
+    "articulated": "paper.articulated:STUDY",
+    "growth": "paper.growth:STUDY",
+    "scale": "speed.scale:STUDY",
+    "timing": "speed.timing:STUDY",
+    "end_to_end": "symhks.end_to_end:STUDY",
+    "sym_hks_ablation": "symhks.ablation:STUDY",
+    "ablation": "robust.ablation:STUDY",
+    "calibration": "robust.calibration:STUDY",
+    "coverage": "robust.coverage:STUDY",
+    "equivariance": "robust.equivariance:STUDY",
+    "sphere": "symhks.sphere:STUDY",
+    "checks": "estimator.checks:STUDY",
+    "transformations": "estimator.transformations:STUDY",
+    "gradient": "estimator.gradient:STUDY",
+    "success": "estimator.success:STUDY",
+    "self_scale": "estimator.self_scale:STUDY",
+    "speed_objective": "speed.objective:STUDY",
+    "speed_fit": "speed.fit:STUDY",
+    "speed_sweep": "speed.sweep:STUDY",
 }
-"""By the name of the script."""
+"""Modules of `experiments.studies`, and the names of the studies in them, by the name on the command line."""
 
 
-def script(name: str) -> Path:
-    """The file of an experiment."""
-    return PROJECT / "experiments" / f"{name}.py"
+def load(name: str) -> Study:
+    """The study of a name."""
+    module, _, attribute = STUDIES[name].partition(":")
+    return getattr(importlib.import_module(f"experiments.studies.{module}"), attribute)

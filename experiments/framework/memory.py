@@ -1,6 +1,7 @@
-"""Peak memory of a fresh process that detects: `python -m experiments.framework.memory CLOUD.npy METHOD` prints two numbers.
+"""Peak memory of a fresh process that detects.
 
-Both in MiB: after a first detection of few points, and after that of the cloud.
+`peak_memory` starts the process with a file and a method as its arguments. It prints two numbers, both in MiB: after a
+first detection of few points, and after that of the cloud.
 """
 
 import json
@@ -15,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 import symjax
-from experiments.framework.study import PROJECT
+from experiments.framework.project import PROJECT
 from symjax import datasets
 
 FEW = 5000

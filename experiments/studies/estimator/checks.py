@@ -1,11 +1,11 @@
 """The estimator's numeric checks: each measured value beside its target.
 
 Gradients against autodiff, the Welsch loss, Riemannian BFGS on a quadratic, second opinions on the optimum, the
-superlinear tail. What becomes of a fit under JAX's transformations is in `experiments.studies.estimator.transformations`.
+superlinear tail. What becomes of a fit under JAX's transformations is in `transformations`.
 """
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,9 @@ import numpy as np
 import scipy.optimize
 from jaxtyping import Array, Float
 
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import PLANTED
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
 from symjax.l2e import objective
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE, exponential, random_points, tangent_projection
@@ -206,10 +207,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("checks", __doc__, SIZES, run, summary, data=PLANTED)

@@ -4,7 +4,7 @@ Everything is taken through the public functions, compiled: the derivative of a 
 offset in the points, the weights and σ.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,10 +14,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.data.corruptions import chosen
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
-from experiments.framework.study import Row
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit import Fit
 from symjax.l2e.fit_plane import AUTO, fit_global, fit_plane
@@ -128,10 +129,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("gradient", __doc__, SIZES, run, summary, data=PLANTED)

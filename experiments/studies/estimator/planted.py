@@ -4,7 +4,6 @@ Random trials with outliers, σ = 0.05, three blobs: from the paper's start (rob
 starts. Then pairs without noise and outliers, in float64 and in float32.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jax
@@ -12,8 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import PLANTED
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.estimator.planted_planes import METHODS, angle, planes
 from symjax.datasets.planted_pairs import SEMI_AXES, PlantedPairs, planted_pairs
 from symjax.geometry import distance
@@ -114,10 +114,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return lines
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("planted", __doc__, SIZES, run, summary, data=PLANTED, paper='"< 7° at 65 %"')

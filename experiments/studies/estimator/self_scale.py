@@ -1,14 +1,15 @@
 """σ and the share of mirror pairs estimated with the plane, and whether the standard errors are honest."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import jax
 import numpy as np
 from tqdm import trange
 
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import PLANTED
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import NOISE, planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
@@ -101,10 +102,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("self_scale", __doc__, SIZES, run, summary, data=PLANTED)

@@ -4,7 +4,7 @@ Structured outliers follow a second plane, but ten times less closely than the m
 the second plane is the better one, at a σ near the noise the planted one is.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import jax
@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 from tqdm import tqdm
 
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import PLANTED
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.l2e.fit import Fit, best
@@ -176,10 +177,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("success", __doc__, SIZES, run, summary, data=PLANTED)

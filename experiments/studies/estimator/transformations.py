@@ -1,9 +1,9 @@
 """Fits under JAX's transformations: jit, vmap, precisions, derivatives of the answer, compilations.
 
-Each measured value stands beside its target, as in `experiments.studies.estimator.checks`.
+Each measured value stands beside its target, as in `checks`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 import symjax
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import PLANTED
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.estimator.checks import SIZES, Config, planted, row
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry import distance
@@ -123,10 +124,4 @@ def compilations(config: Config) -> Iterator[Row]:
         yield row(f"compilations of {name} on other pairs", len(counts), relation)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, lambda rows: rows, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("transformations", __doc__, SIZES, run, lambda rows: rows, data=PLANTED)

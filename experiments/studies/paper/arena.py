@@ -1,35 +1,35 @@
 """All methods on the same corrupted clouds: hit rate, F, medians, GTE, SDE and seconds by method and condition.
 
 Every task (method, object, condition, seed) is independent of all others: they run through the runner into one file
-of results, `arena.jsonl`, which a killed run, a larger one, and the scripts of single figures all go on from; `--dask`
+of results, `arena.jsonl`, which a killed run, a larger one, and the studies of single figures all go on from; `--dask`
 sends them to a cluster. The best plane of a method counts whether the method takes it for a symmetry or not; F of Funk
 and its curve are of the planes that it holds. An answer is right within 5° and 2 % of the diagonal of the nearest
 truth; no answer counts as 90°. SDE is that of points, against 30 000 others of the whole object, so that it scatters
 about 0 for an exact plane. "symjax" is the default of `symjax.detect`; where it is not first, the sentences under the
-table say so. A rival that lists where each of its starts ended holds the best alone, one with a rule of its own all
+table say so. A baseline that lists where each of its starts ended holds the best alone, one with a rule of its own all
 that this accepts. The likelihood's rows and RANSAC on matches have the matches of "our choices". The radius and the
 threshold of RANSAC were chosen on objects of these kinds. symjax and Algorithm 1 query their trees on all cores, the
-rivals on one; `experiments.studies.paper.growth` has the times. What the paper prints is of other data.
+baselines on one; `growth` has the times. What the paper prints is of other data.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.comparison import published
 from experiments.comparison.curves import draw_precision_recall, draw_sweep, precision_recall
-from experiments.comparison.leaderboard import MEASURES, OTHERS, pivot, standings
-from experiments.comparison.plan import ALL, SMALL, Config, outcomes, sizes
-from experiments.comparison.plan import main as command
-from experiments.comparison.shortcomings import sentences
-from experiments.framework import figures, study
-from experiments.framework.study import Row
+from experiments.comparison.leaderboard import MEASURES, OTHERS, leaderboard, pivot
+from experiments.comparison.plan import ALL, SMALL, Config, outcomes, place, sizes
+from experiments.comparison.shortcomings import shortcomings
+from experiments.data.descriptions import BENCHMARKS
+from experiments.framework import figures
+from experiments.framework.study import Study
+from experiments.framework.tables import Row, markdown
 
 SIZES = sizes(ALL, SMALL.conditions)
 
 
 def run(config: Config) -> list[Row]:
     """A line a benchmark, condition and method."""
-    return standings(outcomes(config))
+    return leaderboard(outcomes(config))
 
 
 def summary(rows: list[Row]) -> list[Row]:
@@ -41,7 +41,7 @@ def summary(rows: list[Row]) -> list[Row]:
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """Both curves of precision and recall, F against outliers and against missing parts; and what is said of it all."""
+    """Both curves of precision and recall, F against outliers and against missing parts."""
     first = [row for row in outcomes(config) if row["condition"] == rows[0]["condition"]]
     lines = precision_recall(first)
     drawn = figures.new(13, 9)
@@ -52,7 +52,6 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     draw_sweep(four, rows, "missing", published.MISSING, "F paper")
     drawn.legend(*three.get_legend_handles_labels(), loc="outside right upper", fontsize=7)
     figures.save(drawn, path)
-    _say(rows, path.with_suffix(".md"))
 
 
 def others(rows: list[Row]) -> list[Row]:
@@ -65,19 +64,23 @@ def others(rows: list[Row]) -> list[Row]:
     ]
 
 
-def _say(rows: list[Row], path: Path) -> None:
-    """The tables with what has to be said under them."""
+def notes(rows: list[Row]) -> str:
+    """The further columns, and what has to be said of it all."""
     data = ", ".join(dict.fromkeys(f"{row['benchmark']} ({row['objects']} objects)" for row in rows))
-    lines = "\n".join(f"- {sentence}" for sentence in sentences(rows))
+    listed = "\n".join(f"- {sentence}" for sentence in shortcomings(rows))
     note = f"Run on {data}; {rows[0]['points']} points before corruption. What the paper prints is of other data."
-    tables = (study.markdown(table) for table in (summary(rows), others(rows)))
-    path.write_text("\n\n".join([*tables, note, lines]) + "\n", encoding="utf-8")
+    return "\n\n".join([markdown(others(rows)), note, listed])
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    command(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study(
+    "arena",
+    __doc__,
+    SIZES,
+    run,
+    summary,
+    draw=draw,
+    notes=notes,
+    place=place,
+    data=BENCHMARKS,
+    paper="its comparisons",
+)

@@ -6,7 +6,6 @@ is swung, `angle` how far the plane is from the true one, both in degrees; inlie
 mean weights of the pairs above and below the hip.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,8 +14,8 @@ from jaxtyping import Float
 from PIL import Image
 
 import symjax
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.detection.result import Detection
 from symjax.geometry.plane import Plane
@@ -91,10 +90,13 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     Image.open(path).convert("RGB").save(path.with_suffix(".pdf"))
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, lambda rows: rows, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study(
+    "articulated",
+    __doc__,
+    SIZES,
+    run,
+    lambda rows: rows,
+    draw=draw,
+    data="a generated figure with one leg swung forward",
+    paper="last example of its partial models",
+)

@@ -7,7 +7,7 @@ that it can do, and a third sample of the whole object, in place of the points, 
 objects, in random poses; the paper has a figure of other objects and no number.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -19,10 +19,11 @@ from tqdm import tqdm
 
 import symjax
 from experiments.baselines.registry import ENTRIES
-from experiments.comparison.answers import answer
-from experiments.data.corruptions import chosen
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.comparison.attempt import attempt
+from experiments.data.descriptions import MADE
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.datasets.sample import Sample
 from symjax.geometry.plane import Plane
@@ -110,8 +111,8 @@ def _completed(cut: Part, methods: list[str]) -> Iterator[Row]:
     nothing = np.empty((0, 3))
     yield {"completed by": OPEN, "angle": "", **_errors(cut, cut.kept, nothing)}
     for method in methods:
-        plane = answer(method, cut.kept).plane
-        ended = {"angle": 90.0, **_errors(cut, cut.kept, nothing)} if plane is None else _mirrored(cut, plane)
+        found = attempt(ENTRIES[method], cut.kept).detection
+        ended = {"angle": 90.0, **_errors(cut, cut.kept, nothing)} if found is None else _mirrored(cut, found.plane)
         yield {"completed by": ENTRIES[method].title, **ended}
     yield {"completed by": TRUE, **_mirrored(cut, cut.plane)}
     yield {"completed by": ANEW, "angle": "", **_errors(cut, nothing, cut.anew)}
@@ -165,10 +166,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     page.save(path.with_suffix(".pdf"), resolution=200)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("completion", __doc__, SIZES, run, summary, draw=draw, data=MADE, paper="its figure of completion")

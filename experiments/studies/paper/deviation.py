@@ -9,7 +9,6 @@ degrees. With the H as printed it is far off in both cases, even without outlier
 enough either: it fails on objects widest across their mirror, and with clutter beside the object.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,9 +16,10 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.figures import save
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.estimator.planted_planes import METHODS, PLACES, angle, pairs, planes
 from symjax.datasets.planted_pairs import SEMI_AXES
 
@@ -130,10 +130,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     plt.close(figure)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("deviation", __doc__, SIZES, run, summary, draw=draw, data=PLANTED, paper="its third figure")

@@ -9,33 +9,35 @@ of its own here. The paper's seconds are of the clouds of Funk et al. 2017, and 
 its machine.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from jaxtyping import Float
 from tqdm import tqdm
 
-from experiments.baselines import three_d_symm
-from experiments.baselines.registry import BY_SIZE, ENTRIES, OURS, Entry, Proposal, usable
+from experiments.baselines.registry import ALL, BY_SIZE, ENTRIES, OURS, baseline, usable
+from experiments.baselines.three_d_symm import ThreeDSymm
+from experiments.comparison.published import SECONDS
 from experiments.data.cases import made
-from experiments.data.corruptions import chosen, deviation
+from experiments.data.corruptions import deviation
+from experiments.data.descriptions import MADE
 from experiments.execution.limits import Limits
 from experiments.execution.task import Task
 from experiments.execution.worker import Worker
-from experiments.framework import figures, study
-from experiments.framework.study import Row
-from experiments.studies.speed.timing import PAPER
+from experiments.framework import figures
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 
 VERTICES = 1042
 """Of the paper's second table of times; no part of the growth."""
 
 PRINTED = {
     "3DSymm": {5_000: 0.38, 10_000: 0.48, 50_000: 6.12, 100_000: 16.03, 300_000: 61.01},
-    "the paper's": PAPER | {VERTICES: 0.21},
+    "the paper's": SECONDS | {VERTICES: 0.21},
     "Korman": {VERTICES: 0.97},
     "Mitra": {VERTICES: 0.42},
     "PRS-Net": {VERTICES: 0.0018},
@@ -54,12 +56,7 @@ COMPILING = 600.0
 TIMED = "experiments.studies.paper.growth:timed"
 
 
-def _whole(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Proposal:
-    ranking = three_d_symm.find(points, rng=rng, most=len(points))
-    return Proposal(ranking, np.ones(len(ranking.offsets), bool))
-
-
-METHODS = ENTRIES | {"3dsymm-all": Entry("after 3DSymm, all points", _whole)}
+METHODS = ENTRIES | {"3dsymm-all": baseline("after 3DSymm, all points", ThreeDSymm(most=ALL))}
 
 
 @dataclass(frozen=True)
@@ -91,9 +88,9 @@ def timed(method: str, kind: str, size: int, seed: int) -> Row:
     """Seconds of a call on a posed object, and degrees between its plane and the right one."""
     case = made(kind, size, seed)
     start = perf_counter()
-    said = METHODS[method].propose(case.points, np.random.default_rng(seed))
+    found = METHODS[method].detect(case.points, np.random.default_rng(seed))
     seconds = perf_counter() - start
-    return {"seconds": seconds, "angle": deviation(said.ranking.plane(), case).angle}
+    return {"seconds": seconds, "angle": deviation(found.plane, case).angle}
 
 
 def run(config: Config) -> list[Row]:
@@ -188,10 +185,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("growth", __doc__, SIZES, run, summary, draw=draw, data=MADE, paper="its time table")

@@ -4,7 +4,6 @@ Upper row: the pairs. Middle row: the least-squares (maximum-likelihood) cost. L
 the least over the offset, on the half sphere of normals in an azimuthal equal-area projection.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.figures import save
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.estimator.planted_planes import METHODS, PLACES, angle, pairs, planes
 from symjax.datasets.planted_pairs import PlantedPairs
 from symjax.l2e.manifolds import tangent_basis
@@ -183,10 +183,4 @@ def _draw_pairs(ax: Any, cloud: PlantedPairs) -> None:
     ax.axis("off")
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("landscape", __doc__, SIZES, run, summary, draw=draw, data=PLANTED, paper="its second figure")

@@ -6,7 +6,7 @@ On 46 clouds of `both` and `view` the neutral rim, the viewpoint and the outlier
 normals and exactness did not on these two (one cloud of a condition is 0.04).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from types import ModuleType
@@ -18,12 +18,15 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from tqdm import tqdm
 
-from experiments.comparison.answers import answer
+from experiments.baselines.registry import ENTRIES, OURS
+from experiments.comparison.attempt import attempt
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import Trial, chosen, deviation
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.corruptions import Trial, deviation
+from experiments.data.descriptions import SINGLE
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.geometry.plane import Plane
 from symjax.preprocess import cloud
 from symjax.robust import classification, hypotheses, method, registration, scoring, search, surface, voxel_grid
@@ -159,12 +162,12 @@ def without(stage: str) -> Iterator[None]:
 
 
 def _row(stage: str, trial: Trial) -> Row:
-    said = answer("robust", trial.points)
-    if said.plane is None:
-        raise RuntimeError(f"without {stage}: {said.error}")
-    off = deviation(said.plane, trial.case)
-    row = trial.about | {"without": stage, "found": said.found, "angle": off.angle, "offset_error": off.offset}
-    return row | {"right": said.found and off.right, "right plane": off.right}
+    found, _, error = attempt(ENTRIES[OURS], trial.points)
+    if found is None:
+        raise RuntimeError(f"without {stage}: {error}")
+    off = deviation(found.plane, trial.case)
+    row = trial.about | {"without": stage, "found": found.found, "angle": off.angle, "offset_error": off.offset}
+    return row | {"right": found.found and off.right, "right plane": off.right}
 
 
 def summary(rows: list[Row]) -> list[Row]:
@@ -183,10 +186,4 @@ def _line(stage: str, of: str, rows: list[Row]) -> Row:
     return line | {"all": float(np.mean([row[of] for row in rows])), "clouds": len(rows)}
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("ablation", __doc__, SIZES, run, summary, data=SINGLE)

@@ -6,7 +6,7 @@ And of what kind: one plane, several, all planes through an axis. Below the rate
 
 import inspect
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, islice, product
 from pathlib import Path
@@ -19,9 +19,11 @@ from tqdm import tqdm
 import symjax
 from experiments.data import corruptions
 from experiments.data.cases import MODELS, Case, generated, kinds_of, real
-from experiments.data.corruptions import Trial, chosen
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.corruptions import Trial
+from experiments.data.descriptions import WITH_REAL
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.sample import Symmetry
 from symjax.detection.result import Detection
 from symjax.errors import SymjaxWarning
@@ -180,10 +182,4 @@ def would_be_found(rows: list[Row], **constants: float) -> np.ndarray:
     return score > np.where(exact, value["EXACT_LEAST"], usual)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("calibration", __doc__, SIZES, run, summary, data=WITH_REAL)

@@ -6,7 +6,6 @@ the offset.
 """
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +14,9 @@ from tqdm import tqdm
 import symjax
 from experiments.data.cases import kinds_of, made
 from experiments.data.corruptions import WITHIN_ANGLE
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import SINGLE
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.errors import SymjaxWarning
 from symjax.geometry import distance
@@ -115,10 +115,4 @@ def _line(noise: float | str, rows: list[Row]) -> Row:
     }
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("coverage", __doc__, SIZES, run, summary, data=f"{SINGLE}, with noise")

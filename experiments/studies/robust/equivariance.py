@@ -3,7 +3,6 @@
 On generated objects; the largest change among them, in degrees and in shares of the diagonal.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,9 +12,10 @@ from tqdm import tqdm
 
 import symjax
 from experiments.data.cases import generated
-from experiments.data.corruptions import chosen
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import MADE
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.detection.detect import METHODS
 from symjax.geometry.plane import Plane
@@ -106,10 +106,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return lines
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("equivariance", __doc__, SIZES, run, summary, data=MADE)

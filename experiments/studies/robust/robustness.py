@@ -7,7 +7,6 @@ points (`pip install ".[peers]"`), needs a quarter of a minute for 5 000 of them
 robust,pyclarcs --seeds 1`.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -15,14 +14,18 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from experiments.comparison.answers import METHODS, PEER, answer, usable
+from experiments.baselines.registry import ENTRIES, OURS, PEER, usable
+from experiments.comparison.attempt import attempt
 from experiments.data import corruptions
 from experiments.data.cases import MODELS, generated, kinds_of, real
-from experiments.data.corruptions import PAPER, TARGETS, Deviation, Trial, chosen, deviation
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.corruptions import PAPER, TARGETS, Deviation, Trial, deviation
+from experiments.data.descriptions import WITH_REAL
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 
-OURS = "robust"
+METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PEER)
+"""By their names in `ENTRIES`."""
 
 CLOSE = 1.0
 """Degrees within which the plane of a shape that is exact by construction should be."""
@@ -71,24 +74,25 @@ def run(config: Config) -> list[Row]:
         if trial.condition != warm:
             warm = trial.condition
             for method in methods:
-                answer(method, trial.points)  # compiles what a cloud of this size needs
+                attempt(ENTRIES[method], trial.points)  # compiles what a cloud of this size needs
         rows += [_row(trial, method) for method in methods]
     return rows
 
 
 def _row(trial: Trial, method: str) -> Row:
-    said = answer(method, trial.points)
-    off = NO_ANSWER if said.plane is None else deviation(said.plane, trial.case)
+    detection, seconds, error = attempt(ENTRIES[method], trial.points)
+    off = NO_ANSWER if detection is None else deviation(detection.plane, trial.case)
+    found = detection is not None and detection.found
     return trial.about | {
         "method": method,
         "exact": trial.case.group in ("generated", "exact"),
-        "found": said.found,
-        "ambiguous": said.ambiguous,
+        "found": found,
+        "ambiguous": detection is not None and detection.ambiguous,
         "angle": off.angle,
         "offset_error": off.offset,
-        "right": said.found and off.right,
-        "seconds": said.seconds,
-        "error": said.error,
+        "right": found and off.right,
+        "seconds": seconds,
+        "error": error,
     }
 
 
@@ -135,10 +139,6 @@ def _median(values: np.ndarray) -> float | str:
     return float(np.median(values)) if len(values) else "-"
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study(
+    "robustness", __doc__, SIZES, run, summary, data=WITH_REAL, paper="its tables of outliers and missing parts"
+)

@@ -1,6 +1,7 @@
-"""A process that sweeps on so many devices of the CPU: `python -m experiments.studies.speed.devices COUNT PAIRS SCALES RESTARTS`.
+"""A process that sweeps on several devices of the CPU.
 
-For every line that it reads it sweeps once and prints the seconds that it took.
+For every line that it reads it sweeps once and prints the seconds that it took. `Devices` starts it, with the number of
+devices, of pairs, of scales and of starts as its arguments.
 """
 
 import os
@@ -8,7 +9,7 @@ import subprocess
 import sys
 from time import perf_counter
 
-from experiments.framework.study import PROJECT
+from experiments.framework.project import PROJECT
 
 
 class Devices:
@@ -45,10 +46,10 @@ def main(num_pairs: int, scales: int, restarts: int) -> None:
     import jax
     import numpy as np
 
-    from experiments.studies.speed.sweep import lanes
+    from experiments.studies.speed.random_starts import random_starts
 
     jax.config.update("jax_enable_x64", True)
-    sweep = lanes(num_pairs, np.geomspace(0.2, 0.02, scales), restarts, seed=0)
+    sweep = random_starts(num_pairs, np.geomspace(0.2, 0.02, scales), restarts, seed=0)
     for _ in sys.stdin:
         start = perf_counter()
         jax.block_until_ready(sweep())

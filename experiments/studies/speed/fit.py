@@ -5,7 +5,6 @@ The naive baseline is our Riemannian BFGS on the residuals as they are written, 
 their offsets that it had. All have the same tolerance and limit on steps.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +12,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.speed import external_solvers
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit import best
@@ -119,10 +119,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("speed_fit", __doc__, SIZES, run, summary, data=PLANTED)

@@ -4,7 +4,7 @@ The naive baseline is `symjax.l2e.objective.log_objective`, the residuals as the
 vmap. The fast ones are those that the solvers use.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
@@ -107,10 +108,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return [{**row, "target": targets.get(row["case"], "")} for row in rows]
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("speed_objective", __doc__, SIZES, run, summary, data=PLANTED)

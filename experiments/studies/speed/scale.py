@@ -3,7 +3,6 @@
 Sizes take turns, so that what else the machine does falls on all of them alike.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -11,9 +10,10 @@ import numpy as np
 from tqdm import tqdm
 
 import symjax
-from experiments.framework import study
+from experiments.data.descriptions import SINGLE
 from experiments.framework.memory import peak_memory
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 
 TARGET_RATIO = {300_000: "<= 2.5 x"}
@@ -80,10 +80,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return lines
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("scale", __doc__, SIZES, run, summary, data=SINGLE, paper="its time table")

@@ -1,30 +1,27 @@
 """Thousands of restarts and scales: time over the cost of the exponentials, memory, continuation, and two devices.
 
 The floor is what the exponentials alone would take: `exp` of a batch as wide as the solvers', times the passes that the
-lanes took. Extra memory is what the compiled program asks for beside its arguments and answers.
+fits took. Extra memory is what the compiled program asks for beside its arguments and answers.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from experiments.framework import study
+from experiments.data.descriptions import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.speed.devices import Devices
-from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
-from symjax.l2e.fit import Fit, best
+from experiments.studies.speed.random_starts import planted, random_starts
+from symjax.l2e.fit import best
 from symjax.l2e.manifolds import random_points
 from symjax.l2e.solvers.batched import WIDTH
 from symjax.l2e.sweep import sweep
 
-OUTLIERS = 0.8
 ROUNDING = 1e-9  # relative, of a loss
 FLOOR_CALLS = 100
 
@@ -55,20 +52,6 @@ class Config:
 SIZES = {"full": Config(), "small": Config(scales=2, restarts=40, memory_pairs=1500, memory_restarts=40, repeats=1)}
 
 
-def planted(num_pairs: int, seed: int) -> PlantedPairs:
-    """The pairs."""
-    return planted_pairs(np.random.default_rng(seed), num_pairs, OUTLIERS)
-
-
-def lanes(
-    num_pairs: int, sigmas: Float[np.ndarray, "S"], restarts: int, seed: int, **options: Any
-) -> Callable[[], Fit]:
-    """A sweep of random starts, ready to run."""
-    pairs = planted(num_pairs, seed)
-    x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
-    return partial(sweep, x, y, sigmas, random_points(jax.random.key(seed), restarts), **options)
-
-
 def run(config: Config) -> list[Row]:
     """One row a figure."""
     with jax.enable_x64(True):
@@ -81,8 +64,8 @@ def _row(figure: str, value: float, target: str, *, note: str = "") -> Row:
 
 def _times(config: Config) -> list[Row]:
     sigmas = np.geomspace(0.2, 0.02, config.scales)
-    independent = lanes(config.num_pairs, sigmas, config.restarts, config.seed)
-    continued = lanes(config.num_pairs, sigmas, config.restarts, config.seed, continuation=True)
+    independent = random_starts(config.num_pairs, sigmas, config.restarts, config.seed)
+    continued = random_starts(config.num_pairs, sigmas, config.restarts, config.seed, continuation=True)
     exponents = 10 * jax.random.uniform(jax.random.key(1), (WIDTH, config.num_pairs))
     # one after the other in one program: what it costs to call a program is not counted
     exp = jax.jit(lambda e: jax.lax.fori_loop(0, FLOOR_CALLS, lambda _, e: jnp.exp(-e), e))
@@ -98,19 +81,19 @@ def _times(config: Config) -> list[Row]:
     count = alone.loss.size
     return [
         _row(
-            f"seconds of {count} lanes",
+            f"seconds of {count} fits",
             float(np.median(seconds["independent"])),
             "",
-            note=f"{passes / count:.3g} passes a lane",
+            note=f"{passes / count:.3g} passes a fit",
         ),
-        _row(f"{count} lanes: time over the floor", over, "<= 5", note=f"quartiles {quartiles}"),
-        _row("lanes that converged", float(jnp.mean(alone.converged)), ""),
+        _row(f"{count} fits: time over the floor", over, "<= 5", note=f"quartiles {quartiles}"),
+        _row("fits that converged", float(jnp.mean(alone.converged)), ""),
         _row("continuation: times cheaper", cheaper, ">= 8", note=f"quartiles {spread}"),
         _row(
             "continuation: scales at which its best loss is worse",
             float(jnp.sum(worse > ROUNDING * jnp.abs(best(alone).loss))),
             "0",
-            note=f"lanes worse: {int(jnp.sum(followed.loss > alone.loss + ROUNDING * jnp.abs(alone.loss)))} of {count}",
+            note=f"fits worse: {int(jnp.sum(followed.loss > alone.loss + ROUNDING * jnp.abs(alone.loss)))} of {count}",
         ),
     ]
 
@@ -128,7 +111,7 @@ def _memory(config: Config) -> list[Row]:
         arguments = (jnp.asarray(pairs.x), jnp.asarray(pairs.y), sigmas, starts)
         needed: Any = jax.jit(sweep).lower(*arguments).compile().memory_analysis()
         note = f"and {needed.output_size_in_bytes / 2**20:.3g} of answers"
-        name = f"extra MiB, {scales * restarts} lanes, {num_pairs} pairs"
+        name = f"extra MiB, {scales * restarts} fits, {num_pairs} pairs"
         rows.append(_row(name, needed.temp_size_in_bytes / 2**20, target, note=note))
     return rows
 
@@ -149,10 +132,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return rows
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("speed_sweep", __doc__, SIZES, run, summary, data=PLANTED)

@@ -3,22 +3,22 @@
 The paper's times are of other objects on another machine; they stand beside ours for the order of magnitude.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from tqdm import tqdm
 
 import symjax
-from experiments.data.corruptions import chosen
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.comparison.published import SECONDS
+from experiments.data.descriptions import SINGLE
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax import datasets
 from symjax.detection.detect import METHODS
 
-PAPER = {5_000: 2.15, 10_000: 3.67, 50_000: 5.23, 100_000: 8.13, 300_000: 12.92}
 TARGETS = {5_000: "< 1 s", 300_000: "< 8 s"}
-"""Of the paper's method; those of the other are in `experiments.studies.speed.scale`."""
+"""Of the paper's method; those of the other are in the study `scale`."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Config:
         methods: which methods, separated by commas; they take turns.
     """
 
-    sizes: tuple[int, ...] = tuple(PAPER)
+    sizes: tuple[int, ...] = tuple(SECONDS)
     repeats: int = 5
     kind: str = "quadruped"
     methods: str = ",".join(METHODS)
@@ -68,15 +68,9 @@ def summary(rows: list[Row]) -> list[Row]:
             seconds = [row["seconds"] for row in of_size if row["stage"] == stage]
             line[stage] = float(np.median(seconds)) if seconds else "-"
         papers = method == "sym-hks"
-        line |= {"target": TARGETS.get(size, "") if papers else "", "paper": PAPER.get(size, "") if papers else ""}
+        line |= {"target": TARGETS.get(size, "") if papers else "", "paper": SECONDS.get(size, "") if papers else ""}
         lines.append(line)
     return lines
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("timing", __doc__, SIZES, run, summary, data=SINGLE, paper="its time table")

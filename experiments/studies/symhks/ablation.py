@@ -2,17 +2,15 @@
 
 The paper leaves some open (times, pairs, σ), and symjax departs from it in others. Radius r and neighbours h are each
 varied alone: the other then does not bound the neighbourhood, while in the default both do. A match is right as in
-`experiments.studies.symhks.end_to_end`. Where the method gives up, 90 degrees count and no match is right. Under `out20 dropped` scattered
-outliers are left out before the matching; the choice "front end" settles that under every condition.
+`end_to_end`. Where the method gives up, 90 degrees count and no match is right. Under `out20 dropped` outliers
+are dropped before the matching; the choice "front end" settles that under every condition.
 """
 
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from unittest import mock
 
 import numpy as np
 from tqdm import tqdm
@@ -20,9 +18,12 @@ from tqdm import tqdm
 import symjax
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import WITHIN_ANGLE, Trial, chosen, deviation
-from experiments.framework import figures, study
-from experiments.framework.study import Row
+from experiments.data.corruptions import WITHIN_ANGLE, Trial, deviation
+from experiments.data.descriptions import SINGLE
+from experiments.framework import figures
+from experiments.framework.options import chosen
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from experiments.studies.symhks.end_to_end import right_matches
 from symjax.detection.result import Detection
@@ -100,14 +101,11 @@ def _row(variant: Variant, name: str, trial: Trial) -> Row:
 
 def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
     """The method, or None where it raises one of its own errors."""
-    arguments = {"drop_outliers": name.endswith(DROPPED), **variant.arguments_of_detect}
-    with ExitStack() as stack:
-        stack.enter_context(warnings.catch_warnings())
+    dropped = name.endswith(DROPPED) if variant.drop_outliers is None else variant.drop_outliers
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", SymjaxWarning)
-        for module, attribute, replacement in variant.patches:
-            stack.enter_context(mock.patch.object(module, attribute, replacement))
         try:
-            return symjax.detect(trial.points, method="sym-hks", rng=0, **arguments)
+            return symjax.detect(trial.points, variant.method, rng=0, drop_outliers=dropped)
         except SymjaxError:
             return None
 
@@ -167,10 +165,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, draw=draw, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("sym_hks_ablation", __doc__, SIZES, run, summary, draw=draw, data=SINGLE)

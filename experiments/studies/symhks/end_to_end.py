@@ -1,11 +1,11 @@
-"""The whole road: `symjax.detect(points, method="sym-hks")` on random surface points in a random pose.
+"""End to end: `symjax.detect(points, method="sym-hks")` on random surface points in a random pose.
 
 On the generated kinds, and on the real models of a folder where there is one. The mirror twins of a random sample are
 not in it. A match is right where one point lies within 0.05 of the cloud's radius from the other's mirror image.
 """
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
@@ -15,8 +15,9 @@ from tqdm import tqdm
 
 import symjax
 from experiments.data.cases import MODELS, Case, generated, real
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.data.descriptions import WITH_REAL
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.detection.result import Detection
 from symjax.errors import SymjaxWarning
 from symjax.geometry import distance
@@ -108,10 +109,4 @@ def _line(model: str, group: str, rows: list[Row], target: str = "") -> Row:
     }
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, summary, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("end_to_end", __doc__, SIZES, run, summary, data=WITH_REAL)

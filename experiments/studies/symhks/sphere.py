@@ -3,15 +3,14 @@
 The area should be 4π and the first positive eigenvalue 2, three times, at every density and at every place.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from tqdm import tqdm
 
-from experiments.framework import study
-from experiments.framework.study import Row
+from experiments.framework.study import Study
+from experiments.framework.tables import Row
 from symjax.symhks.spectrum import spectrum
 
 SHIFT = 1e6
@@ -72,10 +71,6 @@ def _moved(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> dict[s
     }
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """The command."""
-    study.main(__file__, __doc__, SIZES, run, lambda rows: rows, argv=argv)
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study(
+    "sphere", __doc__, SIZES, run, lambda rows: rows, data="points drawn on the unit sphere and on an ellipsoid"
+)

@@ -1,0 +1,34 @@
+"""Rows of results: as CSV, as aligned text and as a Markdown table."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+Row = dict[str, Any]
+
+
+def write_rows(rows: list[Row], path: Path) -> None:
+    """Writes rows of the same columns as CSV."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def text_table(lines: list[Row]) -> str:
+    """Rows of the same columns as aligned text."""
+    cells = [list(lines[0]), *([_text(value) for value in line.values()] for line in lines)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return "\n".join("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells)
+
+
+def markdown(lines: list[Row]) -> str:
+    """Rows of the same columns as a Markdown table."""
+    cells = [list(lines[0]), ["---"] * len(lines[0]), *([_text(value) for value in line.values()] for line in lines)]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}" if abs(value) < 1e4 else f"{value:.3e}"
+    return str(value)

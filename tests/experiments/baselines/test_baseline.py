@@ -1,0 +1,79 @@
+"""Every baseline is a method of `symjax.detect`."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import symjax
+from experiments.baselines.baseline import Baseline, as_given
+from experiments.baselines.hruda import Hruda
+from experiments.baselines.registry import ENTRIES, PEER
+from experiments.data.cases import made
+from symjax.method.protocol import Method
+from symjax.preprocess.cloud import prepare
+
+BASELINES = {name: entry for name, entry in ENTRIES.items() if isinstance(entry.method, Baseline)}
+QUICK = [name for name in BASELINES if name not in ("hruda", "3dsymm-26", PEER)]
+"""The others take seconds, or are another's package."""
+
+
+@pytest.fixture(scope="module")
+def boat():
+    return made("boat", 700, 3)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_a_method_is_a_frozen_object(name):
+    method = ENTRIES[name].method
+    assert isinstance(method, Method)
+    assert method == dataclasses.replace(method)
+    assert hash(method) == hash(dataclasses.replace(method))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        method.name = "another"
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_detection_is_what_the_baseline_ranks(name, boat):
+    entry = BASELINES[name]
+    found = entry.detect(boat.points, np.random.default_rng(0))
+    ranking = entry.method.rank(boat.points, np.random.default_rng(0))
+    normals, offsets, scores = zip(*((*c.plane, c.ranking_score) for c in found.candidates), strict=True)
+    np.testing.assert_allclose(normals, ranking.normals, atol=1e-6)
+    np.testing.assert_allclose(offsets, ranking.offsets, atol=1e-6 * boat.diagonal)
+    np.testing.assert_allclose(scores, ranking.scores, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-12)
+    assert (np.diff(scores) <= 0).all()
+    # it never doubts its best plane, and knows no scale and no pairs
+    assert found.found
+    assert len(found.planes) == (len(found.candidates) if entry.method.several else 1)
+    np.testing.assert_array_equal([plane.normal for plane in found.planes], normals[: len(found.planes)])
+    assert (found.sigma, found.threshold, found.inlier_fraction) == (None, None, None)
+    assert len(found.pairs.weight) == 0
+
+
+def test_a_baseline_is_a_method_like_any_other(boat):
+    found = symjax.detect(boat.points, method=Hruda(num_points=300, starts=2))
+    assert isinstance(found, symjax.Detection)
+    assert found.method == "hruda"
+    assert found.plane.angle(boat.planes[0]) < 5
+    assert len(found.used) == len(boat.points)
+
+
+def test_a_baseline_sees_the_points_as_they_were_given(boat, rng):
+    cloud = prepare(boat.points)
+    np.testing.assert_allclose(as_given(cloud), boat.points, atol=1e-12 * boat.diagonal)
+    many = rng.normal(size=(12_000, 3))
+    seen = []
+
+    class Looking(Baseline):
+        name = "looking"
+
+        def rank(self, points, rng):
+            seen.append(points)
+            raise LookupError
+
+    with pytest.raises(LookupError):
+        ENTRIES["pca"]._replace(method=Looking()).detect(many, rng)
+    # neither thinned, nor cleaned, nor turned
+    np.testing.assert_allclose(seen[0], many, atol=1e-12)

@@ -1,0 +1,25 @@
+"""Rows of known answers, for the tests of what is made of them."""
+
+import numpy as np
+
+from experiments.comparison import evaluate
+
+
+def row(method="pca", item=0, condition="clean", angle=1.0, offset=0.0, **changed):
+    """A row of one truth, x = 0, and one answer that is so far from it."""
+    turned = np.radians(angle)
+    steps = range(evaluate.STEPS + 1)
+    made_up = {
+        **{"method": method, "benchmark": "procedural", "item": item, "condition": condition, "seed": 0},
+        **{"num_points": 100, "data": "", "name": "block", "group": "generated", "raised": "", "seconds": 2.0},
+        **{"truths": [[1.0, 0.0, 0.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0},
+        "planes": [[np.cos(turned), np.sin(turned), 0.0, offset, 0.9]],
+        **{"held": [True], "found": True, "ambiguous": False, "angle": angle, "offset_error": offset},
+        **{"gte": 0.02, "gte_squared": 4e-4, "sde": 3e-4},
+        **{"funk": [int(angle < step) for step in steps], "funk_paper": [int(angle < step) for step in steps]},
+    }
+    return made_up | changed
+
+
+def silent(**changed):
+    return row(**changed) | evaluate.NO_ANSWER | {"raised": "timeout: more than 9 s"}

@@ -1,0 +1,74 @@
+"""The benchmark of Funk et al."""
+
+import numpy as np
+import pytest
+
+from experiments.comparison import objects
+from experiments.data import funk
+from experiments.metrics import patch
+from symjax.errors import FileFormatError
+from tests.experiments.data.files import OFF, PLY, TABLE, same, write
+
+
+def test_funk(tmp_path):
+    write(tmp_path / "table.ply", PLY)
+    write(tmp_path / "table-plane.txt", TABLE)
+    write(tmp_path / "a.b-.ply", PLY)
+    write(tmp_path / "a.b-plane.txt", "0\n")
+    write(tmp_path / "readme.txt", "not a model")
+    odd, table = funk.load(tmp_path)
+    assert (odd.name, table.name) == ("a.b-", "table")
+    assert odd.planes == ()
+    assert same(table.planes[0], [1, 0, 0], 0)
+    assert same(table.planes[1], [0, 1, 0], 0)
+    assert table.diagonal == pytest.approx(np.sqrt(2))
+
+
+def test_rectangles_of_funk_go_with_their_shape_into_a_pose(tmp_path):
+    write(tmp_path / "table.ply", PLY)
+    write(tmp_path / "table-plane.txt", TABLE)
+    (shape,) = funk.load(tmp_path)
+    posed = shape.posed(4)
+    assert len(posed.surface.vertices) == len(shape.surface.vertices)
+    before, after = patch.from_corners(shape.corners), patch.from_corners(posed.corners)
+    np.testing.assert_allclose(after.sides, before.sides)
+    for plane, normal, centre in zip(posed.planes, after.normals, after.centres, strict=True):
+        assert abs(plane.normal @ normal) == pytest.approx(1.0)
+        assert plane.normal @ centre == pytest.approx(float(plane.offset))
+    whole = objects.benchmark_object("funk", str(tmp_path), 0, 4, 2)
+    np.testing.assert_array_equal(whole.truths.centres, after.centres)
+
+
+def test_funk_gives_the_rectangles_of_a_file(tmp_path):
+    rectangles = funk.read_planes(write(tmp_path / "table-plane.txt", TABLE))
+    assert rectangles.extents.tolist() == [5.19097, 7.22751]
+    assert patch.from_corners(rectangles.corners).centres == pytest.approx(np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("two\n", 1, "the number of planes"),
+        ("1\n0 0 0\n0 1\n0 0 1\n3\n", 3, "a corner"),
+        ("1\n0 0 0\n0 1 x\n0 0 1\n3\n", 3, "a corner"),
+        ("1\n0 0 0\n0 nan 0\n0 0 1\n3\n", 3, "a corner"),
+        ("1\n\n0 0 0\n0 1 0\n0 2 0\n3\n", 5, "one line"),
+        ("1\n0 0 0\n0 1 0\n0 0 1\n", 4, "the file ends"),
+        ("1\n0 0 0\n0 1 0\n0 0 1\n3\n4\n", 6, "should end"),
+        ("", 1, "the file ends"),
+    ],
+)
+def test_a_malformed_file_of_funk_is_refused_by_line(text, line, message, tmp_path):
+    path = write(tmp_path / "bad-plane.txt", text)
+    with pytest.raises(FileFormatError, match=rf"bad-plane\.txt, line {line}: .*{message}"):
+        funk.read_planes(path)
+
+
+def test_funk_refuses_models_and_planes_that_do_not_pair(tmp_path):
+    write(tmp_path / "one-plane.txt", "0\n")
+    write(tmp_path / "two.ply", PLY)
+    with pytest.raises(FileFormatError, match="1 models without planes, 1 the reverse: 'two'"):
+        funk.load(tmp_path)
+    write(tmp_path / "two.off", OFF)
+    with pytest.raises(FileFormatError, match="2 model files, and only 1 names"):
+        funk.load(tmp_path)

@@ -1,0 +1,28 @@
+"""A shape and its planes in a random pose."""
+
+import json
+
+import numpy as np
+import pytest
+
+from experiments.data import folder
+from experiments.data.shape import cases
+from tests.experiments.data.files import OFF, write
+
+
+def test_planes_go_with_their_shape_into_a_pose(tmp_path):
+    write(tmp_path / "a.off", OFF)
+    # the tetrahedron is its own mirror image in x = y
+    listing = {"a": {"file": "a.off", "normal": [1, -1, 0], "offset": 0, "kind": "exact"}}
+    write(tmp_path / "planes.json", json.dumps(listing))
+    (shape,) = folder.load(tmp_path)
+    one, two = cases([shape], 200, 2)
+    assert (one.name, one.seed, two.seed) == ("a", 0, 1)
+    assert not np.allclose(one.points, two.points)
+    for seed, case in enumerate((one, two)):
+        posed = shape.posed(seed)
+        images = case.planes[0].reflect(posed.surface.vertices)
+        distances = np.linalg.norm(images[:, None] - posed.surface.vertices, axis=2).min(axis=1)
+        np.testing.assert_allclose(distances, 0, atol=1e-12)
+        assert case.diagonal == pytest.approx(np.sqrt(3))
+        np.testing.assert_array_equal(shape.case(200, seed).points, case.points)

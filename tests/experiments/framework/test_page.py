@@ -1,0 +1,59 @@
+"""The page of what studies left."""
+
+from experiments.framework.catalogue import STUDIES, load
+from experiments.framework.page import page
+from experiments.framework.provenance import count_models
+from tests.experiments.framework.results import left, section
+
+
+def test_a_section_has_command_table_figure_and_provenance(tmp_path):
+    lines = [{"what": "area", "value": 0.12345}, {"what": "a|b", "value": 2}]
+    left(tmp_path, "deviation", lines=lines, figures=(".png", ".pdf"))
+    text = page(tmp_path, tmp_path.parent, {})
+    text = section(text, "deviation")
+    assert "```sh\npython -m experiments.run deviation --size small\n```" in text
+    assert "| what | value |\n| --- | --- |\n| area | 0.123 |\n| a\\|b | 2 |" in text
+    assert f"]({tmp_path.name}/deviation.png) ([PDF]({tmp_path.name}/deviation.pdf))" in text
+    for word in ("seed 5", "62 s", "a processor", "jax 0.8", "commit abc", load("deviation").data):
+        assert word in text
+    assert load("deviation").title in text
+
+
+def test_the_page_depends_on_the_files_alone_and_keeps_the_order(tmp_path):
+    for name in reversed(STUDIES):
+        left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
+    text = page(tmp_path, tmp_path, {})
+    assert text == page(tmp_path, tmp_path, {})
+    assert [line.removeprefix("## ") for line in text.splitlines() if line.startswith("## ")] == list(STUDIES)
+
+
+def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
+    for name in ("sphere", "checks", "end_to_end"):
+        left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
+    text = page(tmp_path, tmp_path, {"checks": "failed with status 1", "end_to_end": "data absent"})
+    assert "## sphere" in text
+    for name, why in (("checks", "failed with status 1"), ("end_to_end", "data absent"), ("planted", "not run")):
+        assert f"## {name}" not in text
+        assert f"`{name}` ({why})" in text
+
+
+def test_models_are_counted_and_absent_ones_said_loudly(tmp_path):
+    rows = [
+        {"group": "generated", "model": model, "seed": seed} for model, seed in (("chair", 0), ("chair", 1), ("car", 0))
+    ]
+    counted = count_models(rows)
+    left(tmp_path, "end_to_end", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=counted)
+    text = section(page(tmp_path, tmp_path, {}), "end_to_end")
+    assert "Models: 2 generated. THE REAL MODELS WERE ABSENT." in text
+    assert "seeds 2" in text
+    counted = count_models([*rows, {"group": "exact", "model": "spot", "seed": 0}])
+    left(tmp_path, "end_to_end", lines=[{"value": 1}], config={"data": "folder"}, models=counted)
+    text = section(page(tmp_path, tmp_path, {}), "end_to_end")
+    assert "Models: 1 exact; 2 generated." in text
+    assert "ABSENT" not in text
+
+
+def test_what_a_study_says_under_its_table_is_kept(tmp_path):
+    left(tmp_path, "arena", lines=[{"value": 1}])
+    (tmp_path / "arena.md").write_text("| value |\n| --- |\n| 1 |\n\nNot the first in one column.\n")
+    assert "| 1 |\n\nNot the first in one column." in section(page(tmp_path, tmp_path, {}), "arena")

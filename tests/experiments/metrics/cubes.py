@@ -1,0 +1,45 @@
+"""Answers to a cube, whose scores are known by hand."""
+
+import numpy as np
+
+from experiments.baselines.ranking import Ranking
+from experiments.data.cases import Case
+from experiments.metrics.answered import Answered
+from symjax.geometry.plane import Plane
+from symjax.io.mesh import Mesh
+
+AXES = np.eye(3)
+CUBE = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+BOX = Mesh(CUBE, np.array([f[:1] + f[i : i + 2] for f in FACES for i in (1, 2)]), 6)
+
+
+def tilted(degrees, offset=0.0):
+    """A plane whose normal is so far from x."""
+    angle = np.radians(degrees)
+    return Plane(np.array([np.cos(angle), np.sin(angle), 0.0]), np.asarray(offset))
+
+
+def ranking(*planes):
+    normals = np.array([plane.normal for plane in planes]).reshape(-1, 3)
+    offsets = np.array([float(plane.offset) for plane in planes])
+    return Ranking(normals, offsets, 1.0 - 0.1 * np.arange(len(planes)))
+
+
+def cube(*truths, name="cube"):
+    """The corners of a cube about the origin, and those of its planes that count as right."""
+    return Case(name, "test", CUBE, truths or (tilted(0.0),), np.sqrt(3.0))
+
+
+def answered(answers, truths=()):
+    return Answered(ranking(*answers), cube(*truths))
+
+
+def moved(one, rng):
+    """The same answer to the same object elsewhere, in other units."""
+    turn, shift, scale = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.normal(size=3), 7.0
+    normals = one.ranking.normals @ turn.T
+    posed = Ranking(normals, scale * one.ranking.offsets + normals @ shift, one.ranking.scores)
+    planes = tuple(Plane(turn @ n, scale * w + turn @ n @ shift) for n, w in one.case.planes)
+    points = scale * one.case.points @ turn.T + shift
+    return Answered(posed, one.case._replace(points=points, planes=planes, diagonal=scale * one.case.diagonal))
