@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from symjax.robust.method import Robust
     from symjax.symhks.method import SymHKS
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOME = {
     "Detection": "symjax.detection.result",
