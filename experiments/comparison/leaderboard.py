@@ -14,7 +14,7 @@ from experiments.data.corruptions import Deviation
 from experiments.framework.tables import Row
 from experiments.metrics import hits, ranked
 from experiments.metrics.answered import Answered
-from experiments.metrics.tally import Tally, pooled
+from experiments.metrics.matching import Tally, pooled
 from symjax.geometry.plane import Plane
 
 DEGREES = 5

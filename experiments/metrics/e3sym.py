@@ -15,7 +15,7 @@ from experiments.baselines.ranking import plane_distance
 from experiments.metrics import matching
 from experiments.metrics.answered import Answered
 from experiments.metrics.frame import Frame, frame_of
-from experiments.metrics.tally import Tally
+from experiments.metrics.matching import Tally
 
 FINE = np.linspace(0.0, 0.2, 201)
 """Thresholds of prsnet-repro."""

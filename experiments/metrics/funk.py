@@ -16,8 +16,8 @@ import numpy as np
 
 from experiments.metrics import matching
 from experiments.metrics.answered import Answered
+from experiments.metrics.matching import Tally, pooled
 from experiments.metrics.patch import Patches, bounding
-from experiments.metrics.tally import Tally, pooled
 from symjax.geometry.directions import deviation_angle
 
 LARGEST_ANGLE = 45.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from experiments.metrics import funk, patch, ranked
-from experiments.metrics.tally import Tally
+from experiments.metrics.matching import Tally
 from tests.experiments.metrics.cubes import answered, tilted
 
 

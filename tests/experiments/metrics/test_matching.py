@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from experiments.metrics import matching
-from experiments.metrics.tally import Tally, pooled
+from experiments.metrics.matching import Tally, pooled
 
 
 def test_matching_by_rank_lets_the_better_answer_choose_first():

@@ -9,7 +9,7 @@ from experiments.metrics.answered import Answered
 from experiments.metrics.deviation import deviation
 from experiments.metrics.frame import AS_STORED, frame_of
 from experiments.metrics.gte import gte
-from experiments.metrics.tally import Tally
+from experiments.metrics.matching import Tally
 from symjax.errors import InvalidArgumentError
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
