@@ -1,1 +1,1 @@
-"""Planes, directions, similarities and uncertainties: geometry that every other package uses, on NumPy and JAX arrays."""
+"""Planes, directions, similarities and uncertainties, on NumPy and JAX arrays alike."""
