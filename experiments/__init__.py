@@ -1,1 +1,1 @@
-"""The figures and tables of the paper, and the numbers of the README, run for real: see README.md here."""
+"""The figures and tables of the paper, and the numbers of the README: `python -m experiments.run list`."""

@@ -1,1 +1,1 @@
-"""Other methods, each in a file of its own and faithful to its publication."""
+"""Other methods: each is a `symjax.Method` in a file of its own, faithful to its publication."""

@@ -49,7 +49,7 @@ class RansacOnPoints(Baseline):
         radius: distance of a mirror image from the cloud within which it votes, in longest principal sides.
         draws: most planes that are drawn.
         confidence: of having drawn two inliers, at which drawing ends; None draws all.
-        judges: points that vote on what is drawn; None is all. All vote on the planes that are kept.
+        voters: points that vote on what is drawn; None is all. All vote on the planes that are kept.
         refits: least-squares fits to inliers and their nearest points that follow.
         planes: planes that are kept.
     """
@@ -61,14 +61,14 @@ class RansacOnPoints(Baseline):
     radius: float = RADIUS
     draws: int = 5000
     confidence: float | None = None
-    judges: int | None = 300
+    voters: int | None = 300
     refits: int = 10
     planes: int = 3
 
     @classmethod
     def as_released(cls) -> "RansacOnPoints":
         """With the stopping rule and the parameters of the organisers' program."""
-        return cls(radius=0.05, confidence=0.95, draws=1000, judges=None, refits=0)
+        return cls(radius=0.05, confidence=0.95, draws=1000, voters=None, refits=0)
 
     def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
         """Ranks planes of a cloud, see `Baseline.rank`.
@@ -78,7 +78,7 @@ class RansacOnPoints(Baseline):
         frame = framed(points, rng, most=self.most)
         tree = KDTree(frame.points)
         reach = self.radius * float(np.ptp(frame.points @ principal_axes(frame.points).T, axis=0).max())
-        voters = frame.points[rng.permutation(len(frame.points))[: self.judges]]
+        voters = frame.points[rng.permutation(len(frame.points))[: self.voters]]
         normals, offsets = drawn(frame.points, self.draws, rng)
         ratios = voted(normals, offsets, voters, tree, reach, self.confidence)
         best = distinct(normals[: len(ratios)], offsets[: len(ratios)], ratios, apart=APART, most=self.planes)

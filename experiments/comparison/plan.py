@@ -68,7 +68,7 @@ SLOWEST = "3dsymm-26"
 
 
 def sizes(conditions: str, small: str, *, methods: str = METHODS) -> dict[str, Config]:
-    """The two sizes of an experiment that runs some conditions, at the small size fewer."""
+    """The two sizes of a study of some conditions, at the small size fewer."""
     fewer = ",".join(name for name in methods.split(",") if name != SLOWEST)
     return {
         "full": Config(conditions=conditions, methods=methods),

@@ -1,4 +1,4 @@
-"""What every score judges: the planes that a method proposes, beside the case that they were proposed for."""
+"""What every metric scores: the planes that a method proposes, beside the case that they were proposed for."""
 
 from typing import NamedTuple
 

@@ -1,1 +1,1 @@
-"""experiments/studies."""
+"""One study a question, in a folder for what it is about."""

@@ -1,1 +1,1 @@
-"""experiments/studies/estimator."""
+"""The L2E estimator alone, on planted pairs: its numbers, its derivatives, and what it withstands."""

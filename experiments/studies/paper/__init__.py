@@ -1,1 +1,1 @@
-"""experiments/studies/paper."""
+"""The figures and tables of the paper."""

@@ -1,1 +1,1 @@
-"""experiments/studies/speed."""
+"""Seconds and memory: of the objective, of fits, of sweeps and of whole detections."""

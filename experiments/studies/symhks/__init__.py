@@ -1,1 +1,1 @@
-"""experiments/studies/symhks."""
+"""The paper's Algorithm 1: end to end, choice by choice, and its Laplacian."""
