@@ -10,10 +10,10 @@ from experiments.comparison.measure import Measure
 from experiments.comparison.objects import TITLES
 from experiments.comparison.tracks import TRACKS, tracks
 from experiments.data.cases import Case
-from experiments.data.corruptions import Deviation
 from experiments.framework.tables import Row
 from experiments.metrics import hits, ranked
 from experiments.metrics.answered import Answered
+from experiments.metrics.deviation import Deviation
 from experiments.metrics.matching import Tally, pooled
 from symjax.geometry.plane import Plane
 

@@ -1,4 +1,4 @@
-"""Clouds under the corruptions that methods are compared on, and when an answer is right.
+"""Clouds under the corruptions that methods are compared on.
 
 A cloud is posed first and corrupted then: a box of outliers along the object's own axes would share its symmetry.
 """
@@ -11,8 +11,6 @@ from jaxtyping import Float
 
 from experiments.data.cases import Case
 from symjax import datasets
-from symjax.geometry import distance
-from symjax.geometry.plane import Plane
 
 CONDITIONS: dict[str, dict[str, Any]] = {
     "clean": {},
@@ -38,27 +36,6 @@ SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
 """The same, and what the sweeps of outliers and of missing parts have besides."""
 
 ALL = ",".join(CONDITIONS)
-
-PAPER = {"clean": 0.95, "out20": 0.94, "out60": 0.91, "out100": 0.89, "miss15": 0.93, "miss28": 0.90}
-"""The paper's F-measures, on other data."""
-
-TARGETS = {
-    "clean": 0.98,
-    "out20": 0.97,
-    "out60": 0.97,
-    "out100": 0.97,
-    "out300": 0.96,
-    "miss15": 0.96,
-    "miss28": 0.96,
-    "miss40": 0.92,
-    "both": 0.95,
-    "noise1": 0.97,
-    "view": 0.68,
-}
-"""Least shares of right answers, over models with one known plane."""
-
-WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.02
-"""Largest angle (degrees) and distance (diagonals) of a right plane."""
 
 
 class Trial(NamedTuple):
@@ -86,18 +63,6 @@ class Trial(NamedTuple):
         }
 
 
-class Deviation(NamedTuple):
-    """How far a plane is from the nearest right one: degrees, and diagonals at the middle of the whole object."""
-
-    angle: float
-    offset: float
-
-    @property
-    def right(self) -> bool:
-        """Whether both are within their limits."""
-        return self.angle < WITHIN_ANGLE and self.offset < WITHIN_OFFSET
-
-
 def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
     """All cases under the first condition, then under the second, and so on; the same corruptions in every run."""
     cases = list(cases)
@@ -106,12 +71,3 @@ def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
             rng = np.random.default_rng([case.seed, *condition.encode(), *case.name.encode()])
             cloud = datasets.corrupt(case.points, rng, diagonal=case.diagonal, **SWEPT[condition])
             yield Trial(case, condition, cloud.points)
-
-
-def deviation(plane: Plane, case: Case) -> Deviation:
-    """How far a plane is from the nearest right plane of a case; NaN where the case has none."""
-    if not case.planes:
-        return Deviation(np.nan, np.nan)
-    nearest = min(case.planes, key=lambda right: float(plane.angle(right)))
-    offset = distance.offset_error(plane, nearest, case.points.mean(axis=0), case.diagonal)
-    return Deviation(float(plane.angle(nearest)), float(offset))

@@ -1,11 +1,27 @@
 """Deviation angle and true offset error of an answer, also where the right planes are all those through an axis."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from experiments.data import corruptions
 from experiments.data.cases import Case
-from experiments.data.corruptions import Deviation
+from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
+
+WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.02
+"""Largest angle (degrees) and distance (diagonals) of a right plane."""
+
+
+class Deviation(NamedTuple):
+    """How far a plane is from the nearest right one: degrees, and diagonals at the middle of the whole object."""
+
+    angle: float
+    offset: float
+
+    @property
+    def right(self) -> bool:
+        """Whether both are within their limits."""
+        return self.angle < WITHIN_ANGLE and self.offset < WITHIN_OFFSET
 
 
 def deviation(plane: Plane, case: Case) -> Deviation:
@@ -21,9 +37,12 @@ def deviation(plane: Plane, case: Case) -> Deviation:
     Returns:
         Degrees and diagonals; NaN where nothing is right.
     """
-    if case.axis is None:
-        return corruptions.deviation(plane, case)
-    return corruptions.deviation(plane, case._replace(planes=(*case.planes, _through_axis(plane, case.axis))))
+    planes = case.planes if case.axis is None else (*case.planes, _through_axis(plane, case.axis))
+    if not planes:
+        return Deviation(np.nan, np.nan)
+    nearest = min(planes, key=lambda right: float(plane.angle(right)))
+    offset = offset_error(plane, nearest, case.points.mean(axis=0), case.diagonal)
+    return Deviation(float(plane.angle(nearest)), float(offset))
 
 
 def _through_axis(plane: Plane, axis: tuple[np.ndarray, np.ndarray]) -> Plane:

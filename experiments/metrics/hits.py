@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from experiments.data.corruptions import WITHIN_OFFSET, Deviation
+from experiments.metrics.deviation import WITHIN_OFFSET, Deviation
 from symjax.errors import InvalidArgumentError
 
 ANGLES = (1.0, 2.0, 5.0, 10.0, 45.0)

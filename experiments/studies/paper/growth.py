@@ -22,7 +22,6 @@ from experiments.baselines.registry import ALL, BY_SIZE, ENTRIES, OURS, baseline
 from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.comparison.published import SECONDS
 from experiments.data.cases import made
-from experiments.data.corruptions import deviation
 from experiments.data.descriptions import MADE
 from experiments.execution.limits import Limits
 from experiments.execution.task import Task
@@ -31,6 +30,7 @@ from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import deviation
 
 VERTICES = 1042
 """Of the paper's second table of times; no part of the growth."""

@@ -24,12 +24,13 @@ from experiments.baselines.ranking import framed
 from experiments.baselines.three_d_symm import ThreeDSymm, alternate, nearest
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import WITHIN_ANGLE, Trial, deviation
+from experiments.data.corruptions import Trial
 from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import WITHIN_ANGLE, deviation
 from symjax import Robust
 from symjax.datasets.planted_pairs import SEMI_AXES, planted_pairs
 from symjax.errors import SymjaxWarning

@@ -22,11 +22,12 @@ from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.attempt import attempt
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import Trial, deviation
+from experiments.data.corruptions import Trial
 from experiments.data.descriptions import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import deviation
 from symjax.geometry.plane import Plane
 from symjax.preprocess import cloud
 from symjax.robust import classification, hypotheses, method, registration, scoring, search, surface, voxel_grid

@@ -24,6 +24,7 @@ from experiments.data.descriptions import WITH_REAL
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import deviation
 from symjax.datasets.sample import Symmetry
 from symjax.detection.result import Detection
 from symjax.errors import SymjaxWarning
@@ -126,7 +127,7 @@ def _row(trial: Trial) -> Row:
         "symmetry": found.symmetry,
         "told": found.ambiguous or found.symmetry in SEVERAL,
         "named": found.symmetry == word,
-        "angle": corruptions.deviation(found.plane, trial.case).angle,
+        "angle": deviation(found.plane, trial.case).angle,
         "axis angle": _axis_angle(found, trial.case),
         "score": found.score,
         "threshold": found.threshold,

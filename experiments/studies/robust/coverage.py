@@ -13,10 +13,10 @@ from tqdm import tqdm
 
 import symjax
 from experiments.data.cases import kinds_of, made
-from experiments.data.corruptions import WITHIN_ANGLE
 from experiments.data.descriptions import SINGLE
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import WITHIN_ANGLE
 from symjax import datasets
 from symjax.errors import SymjaxWarning
 from symjax.geometry import distance

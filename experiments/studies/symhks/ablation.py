@@ -18,12 +18,13 @@ from tqdm import tqdm
 import symjax
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
-from experiments.data.corruptions import WITHIN_ANGLE, Trial, deviation
+from experiments.data.corruptions import Trial
 from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import WITHIN_ANGLE, deviation
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from experiments.studies.symhks.end_to_end import right_matches
 from symjax.detection.result import Detection

@@ -13,7 +13,7 @@ from experiments.baselines.nagar_raman import NagarRaman
 from experiments.baselines.ranking import framed, reflect
 from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.data.cases import kinds_of, made
-from experiments.data.corruptions import deviation
+from experiments.metrics.deviation import deviation
 from symjax.geometry.plane import Plane
 
 HALF_SPHERE = ThreeDSymm(starts="half-sphere")

@@ -12,7 +12,7 @@ from experiments.baselines.cicconet import Cicconet, Registration, mirror, regis
 from experiments.baselines.kazhdan import Kazhdan
 from experiments.baselines.ranking import plane_distance, reflect
 from experiments.data.cases import kinds_of, made
-from experiments.data.corruptions import deviation
+from experiments.metrics.deviation import deviation
 from symjax.geometry.plane import Plane
 
 KINDS = kinds_of("single", 10)

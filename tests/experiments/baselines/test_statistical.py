@@ -18,7 +18,7 @@ from experiments.baselines.ranking import distinct, plane_distance, reflect
 from experiments.baselines.ransac_matches import RansacOnMatches, agreement, residual
 from experiments.baselines.ransac_points import RansacOnPoints, drawn, stopping, voted, votes
 from experiments.data.cases import kinds_of, made
-from experiments.data.corruptions import deviation
+from experiments.metrics.deviation import deviation
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, TooFewPointsError
 from symjax.geometry.directions import deviation_angle

@@ -16,6 +16,7 @@ from experiments.data import corruptions
 from experiments.execution.result import Result
 from experiments.framework.run_study import run_study
 from experiments.studies.paper import arena, sweeps
+from experiments.studies.robust.robustness import TARGETS
 from tests.experiments.comparison.rows import row
 
 TINY = [
@@ -26,7 +27,7 @@ TINY = [
 
 def test_the_sweeps_add_conditions_and_leave_the_others_alone():
     assert ",".join(corruptions.CONDITIONS) == corruptions.ALL
-    assert set(corruptions.TARGETS) == set(corruptions.CONDITIONS)
+    assert set(TARGETS) == set(corruptions.CONDITIONS)
     every = plan.ALL.split(",")
     assert len(every) == len(set(every)) == 14
     assert list(shares(every, "outliers").values()) == [0, 20, 40, 60, 80, 100, 120]

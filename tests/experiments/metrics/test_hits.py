@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from experiments.data.corruptions import Deviation
 from experiments.metrics import hits, shrec
+from experiments.metrics.deviation import Deviation
 from experiments.metrics.sde import mean_sde
 from symjax.errors import InvalidArgumentError
 
