@@ -29,6 +29,11 @@ that are tried with all points: among few points one sees through thin parts."""
 PIXEL = 2.0
 """Side of a pixel of the depth image in spacings: then hardly any is empty by chance."""
 
+FINEST_PIXEL = 1 / 750
+"""Least side of a pixel in diagonals. At DISTANCE the cloud's image is at most 4/3 diagonals wide, so that the
+image has hardly more than 2²⁰ pixels, enough for four million even points. Where one spot is far denser than the rest,
+the spacing is that of the spot, and pixels of its size would need any amount of memory."""
+
 NEAR_BEST = 0.01
 """Directions from which so nearly as much is visible are averaged."""
 
@@ -77,11 +82,12 @@ def find_viewpoint(surface: Surface) -> Viewpoint | None:
     middle, diagonal = 0.5 * (low + high), float(np.linalg.norm(high - low))
     both = np.concatenate([directions, -directions])
     step = max(1, len(surface.points) // NUM_PROBES)
-    share = _visible_shares(surface, middle, both, DISTANCE * diagonal, step)
+    pixel = max(PIXEL * surface.spacing, FINEST_PIXEL * diagonal)
+    share = _visible_shares(surface, middle, both, DISTANCE * diagonal, pixel, step)
     best = np.argsort(-share, kind="stable")[:NUM_BEST]
     if share[best[0]] < ONE_SIDED:
         return None
-    if _visible_shares(surface, middle, both[best], DISTANCE * diagonal, 1).max() < ONE_SIDED:
+    if _visible_shares(surface, middle, both[best], DISTANCE * diagonal, pixel, 1).max() < ONE_SIDED:
         return None
     towards = both[best[0]]
     if _bulge(surface, towards) < 0:
@@ -89,7 +95,7 @@ def find_viewpoint(surface: Surface) -> Viewpoint | None:
     facing = np.where(both @ towards > 0, share, 0.0)
     good = both[(facing > facing.max() - NEAR_BEST) & (both @ both[np.argmax(facing)] > 0.5)]
     towards = good.mean(axis=0) / np.linalg.norm(good.mean(axis=0))
-    return _seen_from(surface.points, towards, middle, DISTANCE * diagonal, PIXEL * surface.spacing)
+    return _seen_from(surface.points, towards, middle, DISTANCE * diagonal, pixel)
 
 
 def _seen_from(
@@ -125,12 +131,13 @@ def _visible_shares(
     middle: Float[np.ndarray, "3"],
     directions: Float[np.ndarray, "d 3"],
     distance: float,
+    pixel: float,
     step: int,
 ) -> Float[np.ndarray, "d"]:
-    """Share of every `step`-th point that is visible from each direction."""
+    """Share of every `step`-th point that is visible from each direction; the pixels grow with the spacing."""
     points, normals = surface.points[::step] - middle, surface.normals[::step]
-    pixel = PIXEL * surface.spacing * np.sqrt(step)
-    return np.array([_visible_share(points, normals, towards, distance, pixel) for towards in directions])
+    side = pixel * np.sqrt(step)
+    return np.array([_visible_share(points, normals, towards, distance, side) for towards in directions])
 
 
 def _visible_share(

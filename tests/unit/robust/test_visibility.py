@@ -1,14 +1,24 @@
 """Where a scan was taken from, and where it saw that there is nothing."""
 
+import tracemalloc
 from functools import cache
 
 import numpy as np
 import pytest
 
+import symjax
 from symjax.datasets import generate, pose, remove_part, scan
 from symjax.datasets.sample import random_orthogonal
+from symjax.geometry.plane import Plane
 from symjax.robust.surface import estimate_surface
-from symjax.robust.visibility import PENALTY_AT_SURFACE, PENALTY_BEHIND, PENALTY_EMPTY, find_viewpoint
+from symjax.robust.visibility import (
+    FINEST_PIXEL,
+    PENALTY_AT_SURFACE,
+    PENALTY_BEHIND,
+    PENALTY_EMPTY,
+    PIXEL,
+    find_viewpoint,
+)
 
 WHOLE = ["quadruped", "human", "chair", "table", "mug", "teapot", "car", "ball", "cube", "tree", "hand"]
 
@@ -118,3 +128,43 @@ def test_penalty_takes_one_of_three_values_everywhere(rng):
     penalty = found.penalty(rng.uniform(-3, 3, size=(2_000, 3)))
     assert set(np.unique(penalty)) <= {PENALTY_BEHIND, PENALTY_AT_SURFACE, PENALTY_EMPTY}
     assert PENALTY_BEHIND < PENALTY_AT_SURFACE < PENALTY_EMPTY <= 1
+
+
+def with_a_dense_spot(radius):
+    """Half an egg with its twin points about y = 0, most of them in a spot: the spacing is that of the spot."""
+    rng = np.random.default_rng(5)
+    even, spot = rng.normal(size=(600, 3)), np.array([0.6, 0.0, 0.8]) + radius * rng.normal(size=(1_500, 3))
+    half = np.abs(np.vstack([even, spot]) * [0, 1, 1]) + np.vstack([even, spot]) * [1, 0, 0]
+    half /= np.linalg.norm(half, axis=1, keepdims=True)
+    half *= np.where(half[:, :1] > 0, 1.5, 1.0) * [1, 0, 0] + [0, 0.7, 0.5]
+    return np.vstack([half, half * [1, -1, 1]])
+
+
+@pytest.mark.parametrize("radius", [1e-2, 1e-3, 1e-6, 1e-11])
+def test_the_depth_image_is_bounded_where_one_spot_is_far_denser_than_the_rest(radius):
+    points = with_a_dense_spot(radius)
+    surface = estimate_surface(points)
+    # an image of such pixels could fill any memory, and pixels could have numbers too large to be counted
+    assert PIXEL * surface.spacing < FINEST_PIXEL * np.linalg.norm(np.ptp(points, axis=0))
+    tracemalloc.start()
+    found = find_viewpoint(surface)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found.depth.size < 1.1 * 2**20
+    assert peak < 100e6
+    assert found.towards[2] > 0.5
+
+
+def test_the_plane_of_a_scan_with_a_dense_spot_is_found():
+    found = symjax.detect(with_a_dense_spot(1e-2), drop_outliers=False)
+    assert found.plane.angle(Plane(np.array([0.0, 1.0, 0.0]), np.float64(0.0))) < 0.01
+    assert (found.symmetry, abs(found.plane.offset) < 1e-3) == ("one plane", True)
+
+
+@pytest.mark.parametrize("count", [300, 30_000])
+def test_even_scans_have_pixels_of_two_spacings(count):
+    rng = np.random.default_rng(2)
+    ball = rng.normal(size=(count, 3))
+    ball = np.abs(ball / np.linalg.norm(ball, axis=1, keepdims=True))
+    surface = estimate_surface(ball)
+    assert find_viewpoint(surface).pixel == PIXEL * surface.spacing
