@@ -6,14 +6,13 @@ On 46 clouds of `both` and `view` the neutral boundary, the visibility and the o
 agreement of normals and exactness did not on these two (one cloud of a condition is 0.04).
 """
 
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-import symjax
+from experiments.baselines.registry import Entry
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
 from experiments.data.corruptions import Trial, deviation
@@ -21,7 +20,6 @@ from experiments.data.descriptions import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
-from symjax.errors import SymjaxWarning
 from symjax.robust.method import Robust
 
 SHARES = {"right": "right answers", "right plane": "right planes"}
@@ -74,18 +72,17 @@ def run(config: Config) -> list[Row]:
     return [_row(stage, trial) for stage in tqdm(chosen(config.stages, STAGES), disable=None) for trial in trials]
 
 
-def without(stage: str) -> Robust:
+def without(stage: str) -> Entry:
     """The robust method without a stage."""
-    return replace(Robust(), **STAGES[stage])
+    method = replace(Robust(), **STAGES[stage])
+    return Entry(f"without {stage}", method, drop_outliers=False if stage == OUTLIER_RULE else None)
 
 
 def _row(stage: str, trial: Trial) -> Row:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        said = symjax.detect(trial.points, without(stage), rng=0, drop_outliers=stage != OUTLIER_RULE)
-    off = deviation(said.plane, trial.case)
-    row = trial.about | {"without": stage, "found": said.found, "angle": off.angle, "offset_error": off.offset}
-    return row | {"right": said.found and off.right, "right plane": off.right}
+    found = without(stage).detect(trial.points, np.random.default_rng(0))
+    off = deviation(found.plane, trial.case)
+    row = trial.about | {"without": stage, "found": found.found, "angle": off.angle, "offset_error": off.offset}
+    return row | {"right": found.found and off.right, "right plane": off.right}
 
 
 def summary(rows: list[Row]) -> list[Row]:
