@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from symjax.geometry.plane import Plane
 from symjax.robust.scoring import SLACK
-from symjax.robust.surface import surface
+from symjax.robust.surface import estimate_surface
 
 
 def asymmetry(
@@ -23,15 +23,15 @@ def asymmetry(
         explains; positive where the image lies on the side of the surface that faces away from the middle of the
         cloud.
     """
-    around = surface(cloud)
+    surface = estimate_surface(cloud)
     finite = np.isfinite(points).all(axis=1)
     image = np.asarray(plane.reflect(points[finite]))
-    distance, partner = around.tree.query(image, workers=-1)
-    normal = around.normals[partner]
-    outward = ((around.points[partner] - np.median(cloud, axis=0)) * normal).sum(axis=1)
-    height = ((image - around.points[partner]) * normal).sum(axis=1)
+    distance, partner = surface.tree.query(image, workers=-1)
+    normal = surface.normals[partner]
+    outward = ((surface.points[partner] - np.median(cloud, axis=0)) * normal).sum(axis=1)
+    height = ((image - surface.points[partner]) * normal).sum(axis=1)
     along = np.sqrt(np.maximum(distance**2 - height**2, 0.0))
-    beyond = np.maximum(along - SLACK * around.spacing, 0.0)
+    beyond = np.maximum(along - SLACK * surface.spacing, 0.0)
     signed = np.full(len(points), np.nan)
     signed[finite] = np.sign(height) * np.where(outward < 0, -1, 1) * np.hypot(height, beyond)
     return signed

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float, Int
 
+from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
 from symjax.robust.surface import Surface
 
@@ -13,25 +14,30 @@ whose σ starts at 0.05 crosses."""
 OUTER_SHARE = 0.02
 """Offsets stop where so small a share of the cloud lies beyond: a plane through a cloud cut in half is at its end."""
 
-NUM_PAIRED, NUM_VOTES = 512, 1024
-"""Points that are paired with each other, and pairs that become planes."""
+NUM_PAIRED = 512
+"""Points that are paired with each other."""
 
 LIKE_NORMALS = 0.95
-"""Cosine of a normal with its partner's mirrored one in a pair that votes: 18°, the error of a noisy normal."""
+"""Least cosine between a normal and its partner's mirrored one in a pair that becomes a hypothesis: 18°, the error of a
+noisy normal."""
 
 LEAST_DISTANCE = 0.1
-"""Of the two points of a pair in diagonals: the plane of a nearer pair is too uncertain to be worth a vote."""
+"""Least distance of the two points of a pair in diagonals: the plane of a nearer pair is too uncertain."""
 
 
-def hypotheses(surface: Surface, directions: Float[np.ndarray, "d 3"], rng: np.random.Generator) -> Plane:
-    """Principal planes, planes that pairs of like points vote for, and directions with several offsets.
+def hypotheses(surface: Surface, rng: np.random.Generator, *, num_pairs: int) -> Plane:
+    """Principal planes, planes of pairs of like points, and planes of even directions at several offsets.
 
     Args:
         surface: in units of its diagonal.
-        directions: unit vectors over half the sphere.
         rng: draws the pairs.
+        num_pairs: most planes from pairs; 0 for none.
     """
-    sources = (principal(surface.points), paired(surface, rng), directed(surface.points, directions))
+    sources = (
+        principal(surface.points),
+        paired(surface, rng, num_pairs),
+        directed(surface.points, fibonacci(NUM_DIRECTIONS)),
+    )
     return Plane(np.concatenate([s.normal for s in sources]), np.concatenate([s.offset for s in sources]))
 
 
@@ -42,11 +48,11 @@ def principal(points: Float[np.ndarray, "n 3"]) -> Plane:
     return Plane(axes, axes @ mean)
 
 
-def paired(surface: Surface, rng: np.random.Generator) -> Plane:
-    """Planes between two points whose normals the plane mirrors onto each other.
+def paired(surface: Surface, rng: np.random.Generator, count: int) -> Plane:
+    """At most `count` planes between two points whose normals the plane mirrors onto each other.
 
-    Mitra, Guibas and Pauly, "Partial and approximate symmetry detection for 3D geometry", SIGGRAPH 2006, with what two
-    points and their normals alone can tell.
+    Mitra, Guibas and Pauly, "Partial and approximate symmetry detection for 3D geometry", SIGGRAPH 2006, from two
+    points and their normals alone.
     """
     rows = rng.permutation(len(surface.points))[:NUM_PAIRED]
     i, j = np.triu_indices(len(rows), 1)
@@ -57,15 +63,16 @@ def paired(surface: Surface, rng: np.random.Generator) -> Plane:
     mirrored = surface.normals[i] - 2 * (surface.normals[i] * step).sum(axis=1, keepdims=True) * step
     like = np.flatnonzero(np.abs((mirrored * surface.normals[j]).sum(axis=1)) > LIKE_NORMALS)
     # a flat or round part agrees with itself in countless pairs: those of rare normals say more
-    chosen = _evenly_over_directions(step[like], rng)
+    chosen = _evenly_over_directions(step[like], rng)[:count]
     step, i, j = step[like][chosen], i[like][chosen], j[like][chosen]
     return Plane(step, (step * (surface.points[i] + surface.points[j])).sum(axis=1) / 2)
 
 
-def _evenly_over_directions(step: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, "q"]:
+def _evenly_over_directions(step: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, "p"]:
+    """All rows in a random order in which rows of rare directions come early."""
     cell = np.unique(np.round(4 * step * np.sign(step[:, :1] + 1e-12)).astype(int), axis=0, return_inverse=True)[1]
     crowding = np.bincount(cell.ravel())[cell.ravel()]
-    return np.argsort(rng.random(len(step)) * np.sqrt(crowding), kind="stable")[:NUM_VOTES]
+    return np.argsort(rng.random(len(step)) * np.sqrt(crowding), kind="stable")
 
 
 def directed(points: Float[np.ndarray, "n 3"], directions: Float[np.ndarray, "d 3"]) -> Plane:

@@ -1,93 +1,188 @@
-"""The robust method: surface, candidates, scores, and the last digits of the plane."""
+"""The robust method: surface, candidates, scores, refinement and classification."""
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
-from symjax.geometry.uncertainty import Uncertainty
-from symjax.l2e.status import RESULTS, sentence
 from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
-from symjax.robust.classification import judge
-from symjax.robust.quadrics import Patches, patches
-from symjax.robust.refinement import Polished, polish
-from symjax.robust.scoring import Evidence, evidence, exactness
-from symjax.robust.search import candidates, same
-from symjax.robust.surface import Surface, surface
-from symjax.robust.visibility import NUM_DIRECTIONS, find_viewpoint
-from symjax.robust.voxel_grid import Lattice, lattice
+from symjax.robust.classification import FoundThresholds, classify
+from symjax.robust.distinct import is_same_candidate
+from symjax.robust.quadrics import Quadrics, fit_quadrics
+from symjax.robust.scoring import PlaneScore, exactness, score_plane
+from symjax.robust.surface import Surface, estimate_surface
+from symjax.robust.visibility import find_viewpoint
+from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 
-MAX_POLISHED = 9
-"""Candidates polished at most: a cube has nine planes."""
-
-RIVAL = 0.85
-"""Share of the best candidate's score from which on another one is polished too: it may be another mirror plane."""
-
-INLIER_SHARE = 0.5
-"""A point is an inlier where at least half of what it could say speaks for the plane."""
-
-CHANCE, EXACT_SHARE = 0.4, 0.4
-"""Exactness that rough symmetries reach by chance, by a few exact parts: below it says nothing. Weight, beside the
-score, of what is above."""
+if TYPE_CHECKING:
+    from symjax.robust.refinement import Refinement
 
 
 @dataclass(frozen=True, kw_only=True)
 class Robust:
     """Planes from many hypotheses, L2E with correspondences that follow the plane, and a verification on the cloud.
 
+    Every stage can be left out, and every number that an ablation or a calibration changes is an option:
+    `dataclasses.replace(Robust(), register=False)`. The defaults are the method.
+
     Attributes:
         init: a plane to begin with beside all others, in the units of the given points.
+        use_point_confidence: whether points that do not fit their neighbours' tangent planes weigh less: they are
+            outliers, or lie on edges. If not, all weigh the same.
+        use_visibility: whether a scan from one side is recognised and what it could not see is left open.
+        boundary_penalty: non-match penalty where the surface ends, 0 to 1: a part that was not scanned counts neither
+            for a plane nor against it. 1 is the penalty inside the surface.
+        use_normals: whether mirror images must agree with the surface's normals, in registration and scores: beside a
+            surface, and across thin parts, the nearest point has another normal.
+        num_pair_hypotheses: most hypotheses from pairs of points whose normals are like mirrored: among 1024 the true
+            plane is likely even where a tenth of the pairs agree. 0 leaves them out.
+        register: whether hypotheses are moved to the optimum of the L2E criterion before they are compared: they are
+            up to 7° and 0.02 diagonals away from the plane that they stand for.
+        exact_scoring: whether candidates are ranked by the scores with exact neighbours, which tell planes apart that
+            are within a voxel of each other; if not, by those of the voxel grid.
+        max_refined: most candidates that are refined: a cube has nine planes.
+        refine_above: share of the best candidate's score above which another one is refined too: it may be another
+            mirror plane.
+        refine: whether candidates take the refined plane; if not, they keep their own, with the standard errors and σ
+            of the refinement.
+        use_exactness: whether exactness counts in ranking and classification; if not, it is not computed.
+        exactness_weight: weight of the exactness above `chance_exactness` in the ranking score, beside the score:
+            exact agreement is rare by chance, and noise, which blurs the score, does not blur it.
+        chance_exactness: exactness that rough symmetries reach by chance, by a few exact parts: below, it says nothing.
+        inlier_agreement: agreement above which a pair is an inlier: at least half of what is possible.
+        found: the score above which a plane is a mirror plane.
+
+    Example:
+        >>> import dataclasses
+        >>> dataclasses.replace(Robust(), refine=False).max_refined
+        9
     """
 
     name: ClassVar[str] = "robust"
     drops_outliers: ClassVar[bool] = True
 
     init: Plane | None = None
+    use_point_confidence: bool = True
+    use_visibility: bool = True
+    boundary_penalty: float = 0.15
+    use_normals: bool = True
+    num_pair_hypotheses: int = 1024
+    register: bool = True
+    exact_scoring: bool = True
+    max_refined: int = 9
+    refine_above: float = 0.85
+    refine: bool = True
+    use_exactness: bool = True
+    exactness_weight: float = 0.4
+    chance_exactness: float = 0.4
+    inlier_agreement: float = 0.5
+    found: FoundThresholds = field(default_factory=FoundThresholds)
 
     def __post_init__(self) -> None:
         """Raises InvalidArgumentError for an option out of its range; a plane's normal is divided by its length."""
         if self.init is not None:
             object.__setattr__(self, "init", _checked_plane(self.init))
+        for name in ("boundary_penalty", "refine_above", "chance_exactness", "inlier_agreement"):
+            value = getattr(self, name)
+            if not 0 <= value <= 1:
+                raise InvalidArgumentError(f"{name} must be between 0 and 1, not {value}")
+        if not (np.isfinite(self.exactness_weight) and self.exactness_weight >= 0):
+            raise InvalidArgumentError(f"exactness_weight must be finite and at least 0, not {self.exactness_weight}")
+        for name, least in (("num_pair_hypotheses", 0), ("max_refined", 1)):
+            value = getattr(self, name)
+            if not isinstance(value, (int, np.integer)) or value < least:
+                raise InvalidArgumentError(f"{name} must be a whole number, at least {least}, not {value!r}")
+        if not isinstance(self.found, FoundThresholds):
+            raise InvalidArgumentError(f"found must be FoundThresholds, not {self.found!r}")
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
         """Finds the mirror planes of a cloud, see `Method.find`."""
+        # JAX is imported when it is needed
+        from symjax.robust.search import candidates
+
         prior = None if self.init is None else cloud.to_given.inverse().plane(self.init)
         with timer.stage("surface"):
-            around = surface(cloud.points, normals=cloud.normals)
-            viewpoint = None if around.flat else find_viewpoint(around, fibonacci(NUM_DIRECTIONS))
-            cells = lattice(around, viewpoint)
+            surface = estimate_surface(cloud.points, normals=cloud.normals, use_confidence=self.use_point_confidence)
+            viewpoint = find_viewpoint(surface) if self.use_visibility and not surface.flat else None
+            grid = voxel_grid(surface, viewpoint, boundary_penalty=self.boundary_penalty)
         with timer.stage("searching"):
-            planes = candidates(around, cells, rng, prior=prior)
+            searched = candidates(
+                surface,
+                grid,
+                rng,
+                num_pairs=self.num_pair_hypotheses,
+                prior=prior,
+                register=self.register,
+                exact_scoring=self.exact_scoring,
+                use_normals=self.use_normals,
+            )
         with timer.stage("refining"):
-            local = patches(around)
-            ranked, first, of_first = _polished(planes, around, local, cells)
+            quadrics = fit_quadrics(surface)
+            refined, rest = self._refined(searched, surface, quadrics, grid)
         with timer.stage("classifying"):
-            verdict = judge(ranked, around, local, cells)
-        rows = np.flatnonzero(of_first.counts > 0)
-        pairs = np.stack([rows, of_first.partner[rows]], axis=1)
-        share = of_first.share[rows]
+            ranked = (*(one.candidate for one in refined), *rest)
+            symmetry = classify(ranked, surface, quadrics, grid, self.found, use_normals=self.use_normals)
+        best, scored = refined[0].refinement, refined[0].scored
+        rows = np.flatnonzero(scored.weight > 0)
+        agreement = scored.agreement[rows]
         return MethodResult(
             candidates=ranked[:max_planes],
-            planes=verdict.planes[:max_planes],
-            symmetry=verdict.symmetry,
-            threshold=verdict.threshold,
-            ambiguous=verdict.ambiguous,
-            axis=verdict.axis,
-            rows=pairs,
-            weight=share,
-            inlier_weight=INLIER_SHARE,
-            inlier_fraction=float(np.sum(share >= INLIER_SHARE) / max(len(rows), 1)),
-            sigma=first.sigma,
-            converged=bool(np.asarray(first.solution.result == RESULTS.successful)),
-            message=str(sentence(first.solution.result)),
-            uncertainty=Uncertainty(first.covariance, first.tangents, np.zeros(3)),
+            planes=symmetry.planes[:max_planes],
+            symmetry=symmetry.symmetry,
+            threshold=symmetry.threshold,
+            ambiguous=symmetry.ambiguous,
+            axis=symmetry.axis,
+            rows=np.stack([rows, scored.partner[rows]], axis=1),
+            weight=agreement,
+            inlier_weight=self.inlier_agreement,
+            inlier_fraction=float(np.sum(agreement >= self.inlier_agreement) / max(len(rows), 1)),
+            sigma=best.sigma,
+            converged=best.converged,
+            message=best.message,
+            uncertainty=best.uncertainty,
             notes=() if viewpoint is None else ("the cloud is a scan from one side: what it hides was left open",),
         )
+
+    def _refined(
+        self, searched: tuple[Candidate, ...], surface: Surface, quadrics: Quadrics, grid: VoxelGrid
+    ) -> tuple[list["_Refined"], list[Candidate]]:
+        """The candidates that may be the best, refined and scored on all points; and the others; the best first."""
+        from symjax.robust.refinement import refine
+
+        done: list[_Refined] = []
+        for candidate in searched:
+            if len(done) == self.max_refined:
+                break
+            if done and candidate.score < self.refine_above * max(one.candidate.score for one in done):
+                break
+            refinement = refine(candidate.plane, surface, quadrics)
+            plane = refinement.plane if self.refine else candidate.plane
+            if any(is_same_candidate(plane, one.candidate.plane) for one in done):
+                continue
+            scored = score_plane(plane, surface, grid, use_normals=self.use_normals)
+            exact = exactness(plane, surface, scored, quadrics) if self.use_exactness else None
+            ranking_score = self._ranking_score(scored.score, exact)
+            done.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored))
+        done.sort(key=lambda one: -one.candidate.ranking_score)
+        rest = [c for c in searched if not any(is_same_candidate(c.plane, one.candidate.plane) for one in done)]
+        rest.sort(key=lambda candidate: -candidate.score)
+        return done, rest
+
+    def _ranking_score(self, score: float, exact: float | None) -> float:
+        """The score, and a share of exact agreement."""
+        return score + self.exactness_weight * max((exact or 0.0) - self.chance_exactness, 0.0)
+
+
+class _Refined(NamedTuple):
+    """A refined candidate, its refinement, and its score on all points."""
+
+    candidate: Candidate
+    refinement: "Refinement"
+    scored: PlaneScore
 
 
 def _checked_plane(plane: Plane) -> Plane:
@@ -99,27 +194,3 @@ def _checked_plane(plane: Plane) -> Plane:
         raise InvalidArgumentError(f"init must be a plane (normal of shape (3,), offset), not {plane!r}")
     length = np.linalg.norm(normal)
     return Plane(normal / length, offset / length)
-
-
-def _ranking_score(score: float, exact: float) -> float:
-    """Agreement, and a share of exact agreement, which noise cannot blur."""
-    return score + EXACT_SHARE * max(exact - CHANCE, 0.0)
-
-
-def _polished(
-    planes: tuple[Candidate, ...], around: Surface, local: Patches, cells: Lattice
-) -> tuple[tuple[Candidate, ...], Polished, Evidence]:
-    """The candidates, those that may be the best polished and weighed on all points; and the best one's details."""
-    done: list[tuple[Candidate, Polished, Evidence]] = []
-    for candidate in planes:
-        if len(done) == MAX_POLISHED or (done and candidate.score < RIVAL * max(of.score for _, _, of in done)):
-            break
-        one = polish(candidate.plane, around, local)
-        if not any(same(one.plane, other.plane) for _, other, _ in done):
-            of_one = evidence(one.plane, around, cells)
-            exact = exactness(one.plane, around, of_one, local)
-            done.append((Candidate(one.plane, of_one.score, _ranking_score(of_one.score, exact), exact), one, of_one))
-    done.sort(key=lambda entry: -entry[0].ranking_score)
-    rest = [c for c in planes if not any(same(c.plane, one.plane) for _, one, _ in done)]
-    rest.sort(key=lambda candidate: -candidate.score)
-    return (*(candidate for candidate, _, _ in done), *rest), done[0][1], done[0][2]

@@ -1,8 +1,8 @@
-"""The last digits of a plane: L2E with point-to-surface residuals and exact neighbours, and its standard errors.
+"""Refinement of a plane: L2E with point-to-surface residuals and exact neighbours, and its standard errors.
 
 The mirror image of a random sample has no twin in it: distances between points floor the accuracy at the sample's
-spacing. The residual here is the height of a mirror image above the quadric patch of its partner; all else is the
-paper's estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
+spacing. The residual here is the height of a mirror image above the quadric of its partner; the rest is the paper's
+estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
 """
 
 from typing import NamedTuple
@@ -10,31 +10,35 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
+from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.solvers.base import Minimum
 from symjax.l2e.solvers.rbfgs import minimize
-from symjax.robust.quadrics import Patches
+from symjax.l2e.status import RESULTS, sentence
+from symjax.robust.covariance import clustered_covariance, mirror_clusters
+from symjax.robust.quadrics import Quadrics
 from symjax.robust.surface import Surface
 
-LEAST_BUCKET = 2048
-"""Residuals are padded to this or the next power of two, so that few sizes are compiled."""
+LEAST_SIZE = 2048
+"""Residuals are padded to this number or the next power of two, so that few sizes are compiled."""
 
 ROUNDS = 5
-"""Times that the partners are looked for anew, each time with the σ of the last residuals."""
+"""Searches for partners, each followed by a solve with the σ of the last residuals."""
 
 LEAST_SIGMA = 0.02
-"""Least scale of the residual in spacings. Patches of flat and round parts fit far better than this, but it is the
-others that fix the plane of an object that is mostly round, and they must not count as outliers."""
+"""Least scale of the residual in spacings. Quadrics of flat and round parts fit far better than this, but the other
+parts fix the plane of an object that is mostly round, and they must not count as outliers."""
 
 SIGMA_FACTOR = 2.0
 """σ over the residuals' own scale: L2E then loses little of the efficiency of least squares."""
 
-SHARED = 3.0
-"""Side of the cells that share their errors, in reaches of a patch: neighbouring residuals and those of the two
-directions of a pair have points in common, so that they are no independent evidence."""
+CLUSTER_SIDE = 3.0
+"""Side of the cells that share their errors, in reaches of a quadric: neighbouring residuals, and those of the two
+directions of a pair, have points in common and are no independent evidence."""
 
 INFLATION = 1.4
 """Variance over what the sandwich gives: it is made for fixed pairs, and partners change as the plane moves. Chosen on
@@ -42,48 +46,51 @@ generated noisy clouds; `experiments.run coverage` prints the share of regions t
 
 
 class Residuals(NamedTuple):
-    """Mirror images and the patches that they should lie on.
+    """Mirror images and the quadrics that they should lie on.
 
     Attributes:
         x: the points that are mirrored.
-        origin: origin of each one's patch.
-        axes: its axes.
+        frames: frame of each one's quadric.
         coefficients: its coefficients.
         weight: how much each counts; 0 in padding.
     """
 
     x: Float[Array, "m 3"]
-    origin: Float[Array, "m 3"]
-    axes: Float[Array, "m 3 3"]
+    frames: Similarity
     coefficients: Float[Array, "m 6"]
     weight: Float[Array, "m"]
 
 
-class Polished(NamedTuple):
-    """A plane after the last digits.
+class Refinement(NamedTuple):
+    """A refined plane.
 
     Attributes:
         plane: the plane.
-        covariance: of the normal's turn along the two tangents, and of the offset.
-        tangents: in rows.
+        uncertainty: of the plane, about the origin.
         sigma: scale of the residual.
-        solution: how the last solve ended.
+        converged: whether the last solve converged.
+        message: how it ended, as a sentence.
     """
 
     plane: Plane
-    covariance: Float[np.ndarray, "3 3"]
-    tangents: Float[np.ndarray, "2 3"]
+    uncertainty: Uncertainty
     sigma: float
-    solution: Minimum
+    converged: bool
+    message: str
 
 
 def heights(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m"]:
-    """Heights of the mirror images above the patches at the plane z = (v, ω)."""
+    """Heights of the mirror images above the quadrics at the plane z = (v, ω).
+
+    Column by column: with `Plane.reflect` and `Similarity.points`, whose results are stacked, a solve takes 2.5 times
+    as long on a CPU.
+    """
     v, omega = z[:3], z[3]
     x = data.x
     along = 2 * (x[:, 0] * v[0] + x[:, 1] * v[1] + x[:, 2] * v[2] - omega)
-    offset = [x[:, k] - along * v[k] - data.origin[:, k] for k in range(3)]
-    u, w, height = (sum(offset[k] * data.axes[:, i, k] for k in range(3)) for i in range(3))
+    image = [x[:, k] - along * v[k] for k in range(3)]
+    axes, shift = jnp.asarray(data.frames.rotation), jnp.asarray(data.frames.shift)
+    u, w, height = (sum(image[k] * axes[:, i, k] for k in range(3)) + shift[:, i] for i in range(3))
     c = [data.coefficients[:, k] for k in range(6)]
     return height - (c[0] + c[1] * u + c[2] * w + c[3] * u * u + c[4] * u * w + c[5] * w * w)
 
@@ -107,41 +114,42 @@ def _slopes(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m 3"]:
     return jax.jacfwd(lambda t: heights(SPHERE_LINE.retract(z, basis @ t), data))(jnp.zeros(3, z.dtype))
 
 
-def polish(plane: Plane, surface: Surface, around: Patches) -> Polished:
-    """Moves a plane to the optimum of the point-to-surface L2E criterion, its partners looked for anew in every round.
+def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
+    """Moves a plane to the optimum of the point-to-surface L2E criterion; every round finds the partners anew.
 
     Args:
         plane: a plane within the reach of the surface's tolerance.
         surface: the cloud.
-        around: its patches.
+        quadrics: of the surface.
     """
     z = np.append(plane.normal, plane.offset)
     sigma = 2 * surface.tolerance
     with jax.enable_x64(True):
         for _ in range(ROUNDS):
-            data, weight = _paired(z, surface, around)
+            data, weight = _paired(z, surface, quadrics)
             solution, residual = _solve(jnp.asarray(z), jnp.asarray(sigma), data)
             z, residual = np.asarray(solution.point), np.asarray(residual)[: len(weight)]
             last, sigma = sigma, min(sigma, max(_scale(residual, weight, sigma), LEAST_SIGMA * surface.spacing))
         flat = data._replace(coefficients=jnp.zeros_like(data.coefficients))
-        slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), patch))[: len(weight)] for patch in (data, flat))
+        slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), of))[: len(weight)] for of in (data, flat))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
-    at = Plane(z[:3], z[3])
-    cell = SHARED * float(np.median(around.reach))
+        converged = bool(np.asarray(solution.result == RESULTS.successful))
+    refined = Plane(z[:3], z[3])
     kernel = weight * np.exp(-0.5 * (residual / last) ** 2)
     covariance = clustered_covariance(
         (kernel * residual)[:, None] * slopes,
-        # a patch's slope is noisy, and changes as the plane moves on to other partners: the normal's is the mean
+        # a quadric's slope is noisy, and changes as the plane moves on to other partners: the normal's is the mean
         (kernel * (1 - (residual / last) ** 2))[:, None, None] * mean_slopes[:, :, None] * mean_slopes[:, None],
-        _clusters(at, surface.points, cell),
+        mirror_clusters(refined, surface.points, CLUSTER_SIDE * float(np.median(quadrics.reach))),
     )
-    return Polished(at, INFLATION * covariance, basis[:3, :2].T, last, solution)
+    uncertainty = Uncertainty(INFLATION * covariance, basis[:3, :2].T, np.zeros(3))
+    return Refinement(refined, uncertainty, last, converged, str(sentence(solution.result)))
 
 
-def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tuple[Residuals, Float[np.ndarray, "n"]]:
-    """Every point with its partner's patch, and its weight; those whose partner is far, or faces elsewhere, count
-    nothing.
-    """
+def _paired(
+    z: Float[np.ndarray, "4"], surface: Surface, quadrics: Quadrics
+) -> tuple[Residuals, Float[np.ndarray, "n"]]:
+    """Every point with its partner's quadric, and its weight: 0 if the partner is far or faces another way."""
     v, omega = z[:3], z[3]
     height = surface.points @ v - omega
     image = surface.points - 2 * height[:, None] * v
@@ -150,49 +158,28 @@ def _paired(z: Float[np.ndarray, "4"], surface: Surface, around: Patches) -> tup
     cosine = np.abs((facing * surface.normals[partner]).sum(axis=1))
     weight = cosine**2
     weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)
-    weight *= (distance < around.reach[partner]) & ~surface.rim[partner]
-    columns = (surface.points, around.origin[partner], around.axes[partner], around.coefficients[partner], weight)
-    return _padded(*columns), weight
+    weight *= (distance < quadrics.reach[partner]) & ~surface.boundary[partner]
+    return _padded(surface.points, quadrics.frames_of(partner), quadrics.coefficients[partner], weight), weight
 
 
-def _padded(*columns: Float[np.ndarray, "n ..."]) -> Residuals:
-    count = len(columns[0])
-    extra = max(LEAST_BUCKET, 1 << (count - 1).bit_length()) - count
-    return Residuals(*(jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1)))) for column in columns))
+def _padded(
+    x: Float[np.ndarray, "n 3"],
+    frames: Similarity,
+    coefficients: Float[np.ndarray, "n 6"],
+    weight: Float[np.ndarray, "n"],
+) -> Residuals:
+    extra = max(LEAST_SIZE, 1 << (len(x) - 1).bit_length()) - len(x)
+
+    def padded(column: Float[np.ndarray, "n ..."]) -> Float[Array, "m ..."]:
+        return jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1))))
+
+    rotation, shift = padded(np.asarray(frames.rotation)), padded(np.asarray(frames.shift))
+    return Residuals(padded(x), Similarity(1.0, rotation, shift), padded(coefficients), padded(weight))
 
 
 def _scale(residual: Float[np.ndarray, "n"], weight: Float[np.ndarray, "n"], sigma: float) -> float:
-    """σ for the next round: a multiple of the residuals' median size, the outliers' left out."""
+    """σ for the next round: a multiple of the residuals' median size, without the outliers."""
     inlier = (weight > 0) & (np.abs(residual) < 3 * sigma)
     if not inlier.any():
         return sigma
     return SIGMA_FACTOR * 1.4826 * float(np.median(np.abs(residual[inlier])))
-
-
-def _clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, "n"]:
-    """Cells of the half space that the plane folds the cloud into: a point and its mirror image share one."""
-    height = np.asarray(plane.signed_distance(points))
-    folded = points - (np.minimum(height, 0) * 2)[:, None] * plane.normal
-    return np.unique(np.floor(folded / cell).astype(int), axis=0, return_inverse=True)[1].ravel()
-
-
-def clustered_covariance(
-    gradients: Float[np.ndarray, "n 3"], hessians: Float[np.ndarray, "n 3 3"], cluster: Int[np.ndarray, "n"]
-) -> Float[np.ndarray, "3 3"]:
-    """Sandwich covariance of an M-estimate by the jackknife over clusters (CR3), one Newton step for each left out.
-
-    With few clusters of unequal weight the plain sandwich H⁻¹ Σ g gᵀ H⁻¹ is too small.
-    MacKinnon, Nielsen, Webb, "Cluster-robust inference: a guide to empirical practice", J. Econometrics 232 (2023).
-
-    Args:
-        gradients: every residual's share of the criterion's gradient.
-        hessians: every residual's share of its expected Hessian.
-        cluster: label of every residual.
-    """
-    count = int(cluster.max()) + 1
-    gradient = np.stack([np.bincount(cluster, column, count) for column in gradients.T], axis=1)
-    entries = [np.bincount(cluster, entry, count) for entry in hessians.reshape(-1, 9).T]
-    hessian = np.stack(entries, axis=1).reshape(-1, 3, 3)
-    used = (gradient != 0).any(axis=1)
-    step = np.matmul(np.linalg.pinv(hessian.sum(axis=0) - hessian[used]), gradient[used][:, :, None])[:, :, 0]
-    return step.T @ step * (1 - 1 / max(len(step), 2))

@@ -1,10 +1,9 @@
 """L2E with refreshed correspondences: planes move until the mirrored cloud lies on the cloud.
 
-The partner of a point is the surface point nearest to its mirror image, looked up in a lattice. The residual is the
-mirror image's distance from the partner's tangent plane (and a share of its distance from the partner); its L2E
-weight exp(−‖r‖²/2σ²) and a Gauss-Newton step of the reweighted squares, which is the minorise-maximise step of the
-L2E criterion, move the plane; σ goes down. Everything is in single precision, over a batch of planes, in fixed
-shapes.
+The partner of a point is the surface point nearest to its mirror image, looked up in a voxel grid. The residual is the
+mirror image's distance from the partner's tangent plane (and a share of its distance from the partner). Every step is a
+Gauss-Newton step of the squares reweighted by the L2E weight exp(−‖r‖²/2σ²), which is the minorise-maximise step of the
+L2E criterion, and σ goes down. Everything is in single precision, over a batch of planes, in fixed shapes.
 """
 
 from functools import partial
@@ -15,9 +14,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from symjax.l2e.manifolds import tangent_basis
-from symjax.robust.voxel_grid import SIZE, Lattice
+from symjax.robust.voxel_grid import SIZE, VoxelGrid
 
-LANES = 64
+BATCH_SIZE = 64
 """Planes computed at a time."""
 
 FAR = 1.0
@@ -38,7 +37,7 @@ class Planes(NamedTuple):
 
 
 class Probes(NamedTuple):
-    """Points whose mirror images are looked at.
+    """Points that are mirrored.
 
     Attributes:
         x: the points.
@@ -64,42 +63,65 @@ class _Mirrored(NamedTuple):
     height: Float[Array, "m"]  # v·x − ω
     offset: Float[Array, "m 3"]  # from the partner to the mirror image
     normal: Float[Array, "m 3"]  # the partner's
-    cosine: Float[Array, "m"]  # of the two normals
-    blame: Float[Array, "m"]
+    cosine: Float[Array, "m"]  # of the two normals; 1 if they are not used
+    penalty: Float[Array, "m"]
 
 
-def _mirrored(v: Float[Array, "3"], omega: Float[Array, ""], probes: Probes, lattice: Lattice) -> _Mirrored:
+def _mirrored(
+    v: Float[Array, "3"], omega: Float[Array, ""], probes: Probes, grid: VoxelGrid, use_normals: bool
+) -> _Mirrored:
     height = _dot(probes.x, v[None, :]) - omega
     image = probes.x - 2 * height[:, None] * v[None, :]
-    at = jnp.clip(((image - lattice.origin[None, :]) / lattice.cell).astype(jnp.int32), 0, SIZE - 1)
+    at = jnp.clip(((image - grid.origin[None, :]) / grid.cell).astype(jnp.int32), 0, SIZE - 1)
     index: Int[Array, m] = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
-    normal = lattice.normal[index]
-    cosine = jnp.abs(_dot(probes.normals, normal) - 2 * _dot(probes.normals, v[None, :]) * _dot(normal, v[None, :]))
-    return _Mirrored(height, image - lattice.point[index], normal, cosine, lattice.blame[index])
+    normal = grid.normal[index]
+    cosine = jnp.ones_like(height)
+    if use_normals:
+        cosine = jnp.abs(_dot(probes.normals, normal) - 2 * _dot(probes.normals, v[None, :]) * _dot(normal, v[None, :]))
+    return _Mirrored(height, image - grid.point[index], normal, cosine, grid.penalty[index])
 
 
-def _evidence(sigma: Float[Array, ""], probes: Probes, m: _Mirrored) -> tuple[Float[Array, "m"], Float[Array, "m"]]:
-    """What each point counts, and the share of it that speaks for the plane."""
-    counts = probes.weight * (1 - jnp.exp(-2 * (m.height / (FAR * sigma)) ** 2))
-    return counts, jnp.exp(-_dot(m.offset, m.offset) / (2 * sigma**2)) * m.cosine**2
+def _weight_and_agreement(
+    sigma: Float[Array, ""], probes: Probes, m: _Mirrored
+) -> tuple[Float[Array, "m"], Float[Array, "m"]]:
+    """How much each point counts, and how well its mirror image agrees with the partner, 0 to 1."""
+    weight = probes.weight * (1 - jnp.exp(-2 * (m.height / (FAR * sigma)) ** 2))
+    return weight, jnp.exp(-_dot(m.offset, m.offset) / (2 * sigma**2)) * m.cosine**2
 
 
-@jax.jit
-def agreement(planes: Planes, sigma: Float[Array, ""], probes: Probes, lattice: Lattice) -> Float[Array, "p"]:
-    """Support over support and blame, 0 to 1, of every plane: where mirror images have partners of like normals."""
+@partial(jax.jit, static_argnames=("use_normals",))
+def grid_scores(
+    planes: Planes, sigma: Float[Array, ""], probes: Probes, grid: VoxelGrid, *, use_normals: bool = True
+) -> Float[Array, "p"]:
+    """Scores of planes, with the partners of the voxel grid (see `PlaneScore.score`).
+
+    Args:
+        planes: the planes.
+        sigma: distance from the partner that still agrees.
+        probes: points that are mirrored.
+        grid: around the surface.
+        use_normals: whether the normals must agree too.
+    """
 
     def one(plane: Planes) -> Float[Array, ""]:
-        m = _mirrored(plane.v, plane.omega, probes, lattice)
-        counts, share = _evidence(sigma, probes, m)
-        support = jnp.sum(counts * share)
-        return support / (support + jnp.sum(counts * (1 - share) * m.blame) + 1e-6 * jnp.sum(probes.weight) + 1e-30)
+        m = _mirrored(plane.v, plane.omega, probes, grid, use_normals)
+        weight, agreement = _weight_and_agreement(sigma, probes, m)
+        agreeing = jnp.sum(weight * agreement)
+        penalty = jnp.sum(weight * (1 - agreement) * m.penalty)
+        return agreeing / (agreeing + penalty + 1e-6 * jnp.sum(probes.weight) + 1e-30)
 
-    return jax.lax.map(one, planes, batch_size=LANES)
+    return jax.lax.map(one, planes, batch_size=BATCH_SIZE)
 
 
-@partial(jax.jit, static_argnames=("isotropic",))
+@partial(jax.jit, static_argnames=("isotropic", "use_normals"))
 def register(
-    planes: Planes, sigmas: Float[Array, "s"], probes: Probes, lattice: Lattice, *, isotropic: float
+    planes: Planes,
+    sigmas: Float[Array, "s"],
+    probes: Probes,
+    grid: VoxelGrid,
+    *,
+    isotropic: float,
+    use_normals: bool = True,
 ) -> Planes:
     """Moves every plane, one step for every σ.
 
@@ -107,24 +129,25 @@ def register(
         planes: where to start.
         sigmas: σ of every step, in the unit of the points.
         probes: points whose mirror images are fitted.
-        lattice: the surface.
+        grid: around the surface.
         isotropic: share of the plain distance in the residual: it holds a plane that slides along a surface.
+        use_normals: whether the weight falls where the normals do not agree.
     """
 
     def one(plane: Planes) -> Planes:
         def step(plane: Planes, sigma: Float[Array, ""]) -> tuple[Planes, None]:
-            return _step(plane, sigma, probes, lattice, isotropic), None
+            m = _mirrored(plane.v, plane.omega, probes, grid, use_normals)
+            return _step(plane, sigma, probes, m, isotropic), None
 
         return jax.lax.scan(step, plane, sigmas)[0]
 
-    return jax.lax.map(one, planes, batch_size=LANES)
+    return jax.lax.map(one, planes, batch_size=BATCH_SIZE)
 
 
-def _step(plane: Planes, sigma: Float[Array, ""], probes: Probes, lattice: Lattice, isotropic: float) -> Planes:
+def _step(plane: Planes, sigma: Float[Array, ""], probes: Probes, m: _Mirrored, isotropic: float) -> Planes:
     v, omega = plane
-    m = _mirrored(v, omega, probes, lattice)
-    counts, share = _evidence(sigma, probes, m)
-    weight = counts * share
+    weight, agreement = _weight_and_agreement(sigma, probes, m)
+    weight = weight * agreement
     along = _dot(m.normal, v[None, :])
     residual = _dot(m.normal, m.offset)
     # derivative of the residual n·(x − 2(v·x − ω)v − y) in v (a vector a row) and in ω

@@ -1,7 +1,8 @@
-"""What speaks for a plane and against it: exact neighbours of the mirrored cloud.
+"""The score of a plane on the cloud itself: every mirror image is compared with its exact nearest neighbour.
 
-A point whose mirror image lies on the surface, with the surface's normal, speaks for the plane. One whose image lies
-where a surface would have been seen speaks against it; one whose image falls where nothing was scanned says little.
+A point whose mirror image lies on the surface and has the surface's normal agrees with the plane. A point whose image
+lies where a scan would have seen a surface counts against the plane; one whose image falls where nothing was scanned
+hardly counts.
 """
 
 from typing import NamedTuple
@@ -10,9 +11,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symjax.geometry.plane import Plane
-from symjax.robust.quadrics import Patches, heights
+from symjax.robust.quadrics import Quadrics
 from symjax.robust.surface import Surface
-from symjax.robust.voxel_grid import Lattice, blame_at
+from symjax.robust.voxel_grid import VoxelGrid, penalty_at
 
 TOLERANCES = 1.4
 """Scale of the height above the partner's tangent plane in the surface's tolerances."""
@@ -28,53 +29,69 @@ FAR = 2.0
 """Distance of a mirror image from its point in spacings at which it counts: one on the plane agrees with any plane."""
 
 
-class Evidence(NamedTuple):
-    """Of some points of a surface, for one plane.
+class PlaneScore(NamedTuple):
+    """How some points of a surface agree with a plane.
 
     Attributes:
         partner: row of the surface point nearest to each mirror image.
-        share: how well the image agrees with it, 0 to 1.
-        counts: how much each point tells at all.
-        blame: how much it tells against the plane if it does not agree.
+        agreement: how well the image agrees with its partner in place and normal, 0 to 1.
+        weight: how much each point counts.
+        penalty: non-match penalty, 0 to 1: how much a point counts against the plane where its image does not agree.
     """
 
     partner: Int[np.ndarray, "m"]
-    share: Float[np.ndarray, "m"]
-    counts: Float[np.ndarray, "m"]
-    blame: Float[np.ndarray, "m"]
+    agreement: Float[np.ndarray, "m"]
+    weight: Float[np.ndarray, "m"]
+    penalty: Float[np.ndarray, "m"]
 
     @property
     def score(self) -> float:
-        """Support over support and blame, 0 to 1."""
-        return self.score_of(self.share)
+        """The sum of the agreement over the sum of agreement and non-match penalty, weighted; 0 to 1."""
+        return self.score_of(self.agreement)
 
-    def score_of(self, share: Float[np.ndarray, "m"]) -> float:
-        """The score that other shares give."""
-        support = float((self.counts * share).sum())
-        return support / (support + float((self.counts * (1 - share) * self.blame).sum()) + 1e-12)
+    def score_of(self, agreement: Float[np.ndarray, "m"]) -> float:
+        """The score for another agreement of the same points."""
+        agreeing = float((self.weight * agreement).sum())
+        return agreeing / (agreeing + float((self.weight * (1 - agreement) * self.penalty).sum()) + 1e-12)
 
 
-def evidence(
-    plane: Plane, surface: Surface, lattice: Lattice, rows: Int[np.ndarray, "m"] | slice = slice(None)
-) -> Evidence:
-    """Looks at the mirror images of some rows of a surface."""
-    points, normals = surface.points[rows], surface.normals[rows]
+def score_plane(
+    plane: Plane,
+    surface: Surface,
+    grid: VoxelGrid,
+    rows: Int[np.ndarray, "m"] | slice = slice(None),
+    *,
+    use_normals: bool = True,
+) -> PlaneScore:
+    """Compares the mirror images of some rows of a surface with the surface.
+
+    Args:
+        plane: the plane.
+        surface: in units of its diagonal.
+        grid: around it; it holds the non-match penalty.
+        rows: the points that are mirrored.
+        use_normals: whether the normals must agree too.
+    """
+    points = surface.points[rows]
     height = points @ plane.normal - plane.offset
     image = points - 2 * height[:, None] * plane.normal
     distance, partner = surface.tree.query(image, workers=-1)
-    theirs = surface.normals[partner]
-    above = ((image - surface.points[partner]) * theirs).sum(axis=1)
+    normals = surface.normals[partner]
+    above = ((image - surface.points[partner]) * normals).sum(axis=1)
     along = np.sqrt(np.maximum(distance**2 - above**2, 0.0))
-    facing = normals - 2 * (normals @ plane.normal)[:, None] * plane.normal
-    cosine = (facing * theirs).sum(axis=1)
     off = (above / (TOLERANCES * surface.tolerance)) ** 2
     off += (np.maximum(along - SLACK * surface.spacing, 0.0) / surface.spacing) ** 2
-    counts = surface.trust[rows] * (1 - np.exp(-2 * (height / (FAR * surface.spacing)) ** 2))
-    return Evidence(partner, np.exp(-0.5 * off) * cosine**2, counts, blame_at(lattice, image))
+    agreement = np.exp(-0.5 * off)
+    if use_normals:
+        own = surface.normals[rows]
+        mirrored = own - 2 * (own @ plane.normal)[:, None] * plane.normal
+        agreement = agreement * (mirrored * normals).sum(axis=1) ** 2
+    weight = surface.confidence[rows] * (1 - np.exp(-2 * (height / (FAR * surface.spacing)) ** 2))
+    return PlaneScore(partner, agreement, weight, penalty_at(grid, image))
 
 
-def exactness(plane: Plane, surface: Surface, found: Evidence, around: Patches) -> float:
-    """The score where only images that lie as close to the surface as its own points do speak for the plane.
+def exactness(plane: Plane, surface: Surface, scored: PlaneScore, quadrics: Quadrics) -> float:
+    """The score if only images agree that lie as close to the surface as its own points do.
 
     Measured: from about 0.5 to 1 where the symmetry is exact; where there is none, below 0.5 on clean clouds and below
     0.65 on noisy ones.
@@ -82,9 +99,9 @@ def exactness(plane: Plane, surface: Surface, found: Evidence, around: Patches) 
     Args:
         plane: the plane.
         surface: the cloud.
-        found: what all its points say.
-        around: its patches.
+        scored: the plane's score on all points of the surface.
+        quadrics: of the surface.
     """
     image = np.asarray(plane.reflect(surface.points))
-    near = np.abs(heights(image, around, found.partner)) < EXACT * max(around.scatter, LEAST_SCATTER)
-    return found.score_of(near.astype(float))
+    near = np.abs(quadrics.heights(image, scored.partner)) < EXACT * max(quadrics.scatter, LEAST_SCATTER)
+    return scored.score_of(near.astype(float))

@@ -1,7 +1,7 @@
-"""Scans from one side: where they were taken from, and what they saw to be empty.
+"""Scans from one side: where they were taken from, and where they saw that there is nothing.
 
-A scan from one side holds no point that another one hides. Seen from behind it does so too, so that the side is told by
-the surface's bulge: what a scanner sees of a solid bulges towards it.
+In a scan from one side no point hides another one. That also holds when it is seen from behind, so the sides are told
+apart by the surface's bulge: what a scanner sees of a solid bulges towards the scanner.
 """
 
 from typing import NamedTuple
@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import minimum_filter
 from scipy.spatial import cKDTree
 
+from symjax.geometry.directions import fibonacci
 from symjax.robust.surface import Surface
 
 DISTANCE = 2.0
@@ -22,21 +23,26 @@ ONE_SIDED = 0.935
 objects."""
 
 NUM_PROBES, NUM_DIRECTIONS, NUM_BEST = 800, 100, 4
-"""Points and directions (over half the sphere; and their opposites) of the search, and directions that all points are
-looked at from: among few points, thin parts pass for seen through."""
+"""Points and directions (over half the sphere; and their opposites) of the search, and the number of best directions
+that are tried with all points: among few points one sees through thin parts."""
 
 PIXEL = 2.0
 """Side of a pixel of the depth image in spacings: then hardly any is empty by chance."""
 
+FINEST_PIXEL = 1 / 750
+"""Least side of a pixel in diagonals. At DISTANCE the cloud's image is at most 4/3 diagonals wide, so that the
+image has hardly more than 2²⁰ pixels, enough for four million even points. Where one spot is far denser than the rest,
+the spacing is that of the spot, and pixels of its size would need any amount of memory."""
+
 NEAR_BEST = 0.01
 """Directions from which so nearly as much is visible are averaged."""
 
-BLAME_BEHIND, BLAME_AT_SURFACE, BLAME_EMPTY = 0.03, 0.3, 1.0
-"""Blame for a missing partner: behind what was seen nothing is known; what was seen to be empty is empty."""
+PENALTY_BEHIND, PENALTY_AT_SURFACE, PENALTY_EMPTY = 0.03, 0.3, 1.0
+"""Non-match penalties: behind the seen surface nothing is known; what was seen to be empty is empty."""
 
 
 class Viewpoint(NamedTuple):
-    """Where a scan was taken from, and its depth image.
+    """The scanner's position, and the depth image of the scan from there.
 
     Attributes:
         towards: unit vector from the cloud to the viewpoint.
@@ -54,33 +60,34 @@ class Viewpoint(NamedTuple):
     corner: Float[np.ndarray, "2"]
     depth: Float[np.ndarray, "w h"]
 
-    def blame(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
-        """How much it tells against a surface through each point that none was seen there."""
+    def penalty(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+        """Non-match penalty of points: how much it counts against a surface there that none was seen."""
         image, depth = _project(points - self.middle, self.towards, self.distance)
         at = np.floor((image - self.corner) / self.pixel).astype(int)
         inside = ((at >= 0) & (at < self.depth.shape)).all(axis=1)
         at = np.clip(at, 0, np.array(self.depth.shape) - 1)
         seen = np.where(inside, self.depth[at[:, 0], at[:, 1]], np.inf)
-        blame = np.where(depth > seen + self.pixel, BLAME_BEHIND, BLAME_AT_SURFACE)
-        return np.where(depth < seen - 2 * self.pixel, BLAME_EMPTY, blame)
+        penalty = np.where(depth > seen + self.pixel, PENALTY_BEHIND, PENALTY_AT_SURFACE)
+        return np.where(depth < seen - 2 * self.pixel, PENALTY_EMPTY, penalty)
 
 
-def find_viewpoint(surface: Surface, directions: Float[np.ndarray, "d 3"]) -> Viewpoint | None:
-    """The viewpoint from which (almost) all points are visible; None where there is none.
+def find_viewpoint(surface: Surface) -> Viewpoint | None:
+    """The viewpoint from which (almost) all points are visible; None if there is none.
 
     Args:
         surface: in any units.
-        directions: unit vectors over half the sphere, in which viewpoints are looked for.
     """
+    directions = fibonacci(NUM_DIRECTIONS)
     low, high = surface.points.min(axis=0), surface.points.max(axis=0)
     middle, diagonal = 0.5 * (low + high), float(np.linalg.norm(high - low))
     both = np.concatenate([directions, -directions])
     step = max(1, len(surface.points) // NUM_PROBES)
-    share = _visible_shares(surface, middle, both, DISTANCE * diagonal, step)
+    pixel = max(PIXEL * surface.spacing, FINEST_PIXEL * diagonal)
+    share = _visible_shares(surface, middle, both, DISTANCE * diagonal, pixel, step)
     best = np.argsort(-share, kind="stable")[:NUM_BEST]
     if share[best[0]] < ONE_SIDED:
         return None
-    if _visible_shares(surface, middle, both[best], DISTANCE * diagonal, 1).max() < ONE_SIDED:
+    if _visible_shares(surface, middle, both[best], DISTANCE * diagonal, pixel, 1).max() < ONE_SIDED:
         return None
     towards = both[best[0]]
     if _bulge(surface, towards) < 0:
@@ -88,7 +95,7 @@ def find_viewpoint(surface: Surface, directions: Float[np.ndarray, "d 3"]) -> Vi
     facing = np.where(both @ towards > 0, share, 0.0)
     good = both[(facing > facing.max() - NEAR_BEST) & (both @ both[np.argmax(facing)] > 0.5)]
     towards = good.mean(axis=0) / np.linalg.norm(good.mean(axis=0))
-    return _seen_from(surface.points, towards, middle, DISTANCE * diagonal, PIXEL * surface.spacing)
+    return _seen_from(surface.points, towards, middle, DISTANCE * diagonal, pixel)
 
 
 def _seen_from(
@@ -124,12 +131,13 @@ def _visible_shares(
     middle: Float[np.ndarray, "3"],
     directions: Float[np.ndarray, "d 3"],
     distance: float,
+    pixel: float,
     step: int,
 ) -> Float[np.ndarray, "d"]:
-    """Share of every `step`-th point that is visible from each direction."""
+    """Share of every `step`-th point that is visible from each direction; the pixels grow with the spacing."""
     points, normals = surface.points[::step] - middle, surface.normals[::step]
-    pixel = PIXEL * surface.spacing * np.sqrt(step)
-    return np.array([_visible_share(points, normals, towards, distance, pixel) for towards in directions])
+    side = pixel * np.sqrt(step)
+    return np.array([_visible_share(points, normals, towards, distance, side) for towards in directions])
 
 
 def _visible_share(

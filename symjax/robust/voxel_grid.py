@@ -1,4 +1,4 @@
-"""A lattice around the cloud whose cells know the nearest surface: a search for neighbours becomes a look-up."""
+"""A voxel grid around the cloud: every voxel holds its nearest surface point, so that neighbours are looked up."""
 
 from typing import NamedTuple
 
@@ -10,39 +10,39 @@ from symjax.robust.surface import Surface
 from symjax.robust.visibility import Viewpoint
 
 SIZE = 64
-"""Cells along every side: a cell is then about as wide as 5 000 points are apart."""
+"""Voxels along every side: a voxel is then about as wide as 5 000 points are apart."""
 
 MARGIN = 0.1
 """Room around the cloud on every side, as a share of its longest side: what falls beyond is far from everything."""
 
-BEYOND_RIM = 0.15
-"""Blame for having no partner where the surface ends: what was not scanned speaks neither for nor against."""
 
-
-class Lattice(NamedTuple):
-    """Cells of a cube around the cloud, flattened.
+class VoxelGrid(NamedTuple):
+    """Voxels of a cube around the cloud, flattened.
 
     Attributes:
         origin: corner of the cube.
-        cell: side of a cell.
-        point: the surface point nearest to each cell's middle.
+        cell: side of a voxel.
+        point: the surface point nearest to each voxel's middle.
         normal: its normal.
-        blame: how much it tells against a plane that a point is mirrored into this cell and finds no partner, 0 to 1.
+        penalty: non-match penalty, 0 to 1: how much a point counts against a plane that mirrors it into this voxel,
+            where it finds no partner.
     """
 
     origin: Float[np.ndarray, "3"]
     cell: Float[np.ndarray, ""]
     point: Float[np.ndarray, "c 3"]
     normal: Float[np.ndarray, "c 3"]
-    blame: Float[np.ndarray, "c"]
+    penalty: Float[np.ndarray, "c"]
 
 
-def lattice(surface: Surface, viewpoint: Viewpoint | None) -> Lattice:
-    """The lattice around a surface, in single precision.
+def voxel_grid(surface: Surface, viewpoint: Viewpoint | None, *, boundary_penalty: float) -> VoxelGrid:
+    """The voxel grid around a surface, in single precision.
 
     Args:
         surface: in any units.
         viewpoint: where it was scanned from, if from one side.
+        boundary_penalty: non-match penalty of the voxels whose nearest point is on the boundary, if there is no
+            viewpoint.
     """
     low, high = surface.points.min(axis=0), surface.points.max(axis=0)
     side = (1 + 2 * MARGIN) * float((high - low).max())
@@ -58,15 +58,15 @@ def lattice(surface: Surface, viewpoint: Viewpoint | None) -> Lattice:
     nearest = distance_transform_edt(empty, return_distances=False, return_indices=True)
     row = row[tuple(nearest)].ravel()
     if viewpoint is None:
-        blame = np.where(surface.rim & ~np.array(surface.flat), BEYOND_RIM, 1.0)[row]
+        penalty = np.where(surface.boundary & ~np.array(surface.flat), boundary_penalty, 1.0)[row]
     else:
-        blame = viewpoint.blame(_middles(origin, cell))
-    return Lattice(
+        penalty = viewpoint.penalty(_middles(origin, cell))
+    return VoxelGrid(
         origin.astype(np.float32),
         np.asarray(cell, dtype=np.float32),
         surface.points.astype(np.float32)[row],
         surface.normals.astype(np.float32)[row],
-        blame.astype(np.float32),
+        penalty.astype(np.float32),
     )
 
 
@@ -75,7 +75,7 @@ def _middles(origin: Float[np.ndarray, "3"], cell: float) -> Float[np.ndarray, "
     return np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def blame_at(lattice: Lattice, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
-    """Blame of the cells that points are in."""
-    at = np.clip(((points - lattice.origin) / lattice.cell).astype(int), 0, SIZE - 1)
-    return lattice.blame[(at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]]
+def penalty_at(grid: VoxelGrid, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+    """Non-match penalty of the voxels that points lie in."""
+    at = np.clip(((points - grid.origin) / grid.cell).astype(int), 0, SIZE - 1)
+    return grid.penalty[(at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]]

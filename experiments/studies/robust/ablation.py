@@ -1,25 +1,18 @@
 """What every stage of the robust method is good for: the share of right answers without it, by condition.
 
-The package has no switches: each stage is replaced from outside. Without a stage scores change, and the threshold with
-which they are compared was made for all of them; so a second table has the planes that are right, whether found or not.
-On 46 clouds of `both` and `view` the neutral rim, the viewpoint and the outlier rule earned their place; agreement of
-normals and exactness did not on these two (one cloud of a condition is 0.04).
+Every stage has an option of `Robust` that removes it. Without a stage scores change, and the threshold that they must
+exceed was chosen for the whole method; so a second table has the planes that are right, whether found or not.
+On 46 clouds of `both` and `view` the neutral boundary, the visibility and the outlier rule earned their place;
+agreement of normals and exactness did not on these two (one cloud of a condition is 0.04).
 """
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from types import ModuleType
+from dataclasses import dataclass, replace
 from typing import Any
-from unittest import mock
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int
 from tqdm import tqdm
 
-from experiments.baselines.registry import ENTRIES, OURS
-from experiments.comparison.attempt import attempt
+from experiments.baselines.registry import Entry
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
 from experiments.data.corruptions import Trial
@@ -27,89 +20,27 @@ from experiments.data.descriptions import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
-from experiments.metrics.deviation import deviation
-from symjax.geometry.plane import Plane
-from symjax.preprocess import cloud
-from symjax.robust import classification, hypotheses, method, registration, scoring, search, surface, voxel_grid
-from symjax.robust.refinement import Polished
-from symjax.robust.registration import Planes
-from symjax.robust.scoring import Evidence
-from symjax.robust.surface import Surface
-from symjax.robust.voxel_grid import Lattice
-
-SMALLEST = 1e-300
-"""Divisor where the normals are at right angles to all digits."""
+from symjax.robust.method import Robust
 
 SHARES = {"right": "right answers", "right plane": "right planes"}
 
+OUTLIER_RULE = "outlier rule"
+"""The one stage that belongs to the preparation of the cloud: `detect(drop_outliers=False)` removes it."""
 
-def _evidence_without_normals(
-    plane: Plane, cloud: Surface, cells: Lattice, rows: Int[np.ndarray, "m"] | slice = slice(None)
-) -> Evidence:
-    """The evidence, the agreement of the normals divided out."""
-    found = WHOLE_EVIDENCE(plane, cloud, cells, rows)
-    normals = cloud.normals[rows]
-    facing = normals - 2 * (normals @ plane.normal)[:, None] * plane.normal
-    cosine = (facing * cloud.normals[found.partner]).sum(axis=1)
-    return found._replace(share=np.minimum(found.share / np.maximum(cosine**2, SMALLEST), 1.0))
-
-
-def _mirrored_without_normals(*arguments: Any) -> Any:
-    found = WHOLE_MIRRORED(*arguments)
-    return found._replace(cosine=jnp.ones_like(found.cosine))
-
-
-def _unregistered(planes: Planes, *_: Any, **__: Any) -> Planes:
-    return planes
-
-
-def _unpolished(plane: Plane, *arguments: Any) -> Polished:
-    """All that the polish gives but its plane."""
-    return WHOLE_POLISH(plane, *arguments)._replace(plane=plane)
-
-
-def _no_pairs(*_: Any) -> Plane:
-    return Plane(np.empty((0, 3)), np.empty(0))
-
-
-def _all_trusted(points: Float[np.ndarray, "n 3"], *_: Any) -> Float[np.ndarray, "n"]:
-    return np.ones(len(points))
-
-
-def _none_scattered(points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
-    return np.zeros(len(points), bool)
-
-
-class _Weight:
-    """The agreement of a plane by the lattice, in the place of its evidence."""
-
-    def __init__(self, plane: Plane, cloud: Surface, cells: Lattice, rows: Int[np.ndarray, "m"]) -> None:
-        planes = Plane(plane.normal[None], np.array([plane.offset]))
-        probes = search._probes(cloud, rows, search.NUM_WEIGHED_POINTS)
-        self.score = float(search._agreement(planes, search.ROUNDS[-1].weighed, probes, cells)[0])
-
-
-WHOLE_EVIDENCE, WHOLE_MIRRORED, WHOLE_POLISH = scoring.evidence, registration._mirrored, method.polish
-
-Patch = tuple[ModuleType, str, Any]
-
-STAGES: dict[str, tuple[Patch, ...]] = {
-    "nothing": (),
-    "agreement of normals": (
-        (registration, "_mirrored", _mirrored_without_normals),
-        *((module, "evidence", _evidence_without_normals) for module in (method, search, classification)),
-    ),
-    "neutral rim": ((voxel_grid, "BEYOND_RIM", 1.0),),
-    "viewpoint": ((method, "find_viewpoint", lambda *_: None),),
-    "trust": ((surface, "_trust", _all_trusted),),
-    "registration": ((search, "register", _unregistered),),
-    "pair hypotheses": ((hypotheses, "paired", _no_pairs),),
-    "outlier rule": ((cloud, "scattered", _none_scattered),),
-    "polish": ((method, "polish", _unpolished),),
-    "exact weighing": ((search, "evidence", _Weight),),
-    "exactness": ((method, "exactness", lambda *_: 0.0),),
+STAGES: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "agreement of normals": {"use_normals": False},
+    "neutral boundary": {"boundary_penalty": 1.0},
+    "visibility": {"use_visibility": False},
+    "point confidence": {"use_point_confidence": False},
+    "registration": {"register": False},
+    "pair hypotheses": {"num_pair_hypotheses": 0},
+    OUTLIER_RULE: {},
+    "refinement": {"refine": False},
+    "exact scoring": {"exact_scoring": False},
+    "exactness": {"use_exactness": False},
 }
-"""What takes the place of every stage."""
+"""The options of `Robust` that remove every stage."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +52,7 @@ class Config:
         seeds: objects of every kind.
         kinds: most generated kinds with one plane, counted from the first.
         conditions: which conditions, separated by commas.
-        stages: which stages are left out, separated by commas; "nothing" is the whole method.
+        stages: which stages are removed, one at a time, separated by commas; "nothing" is the whole method.
     """
 
     num_points: int = 5000
@@ -138,34 +69,17 @@ def run(config: Config) -> list[Row]:
     """One row a cloud and stage."""
     cases = list(generated(config.num_points, config.seeds, kinds_of("single", config.kinds)))
     trials = list(corruptions.trials(cases, chosen(config.conditions, corruptions.CONDITIONS)))
-    rows = []
-    for stage in tqdm(chosen(config.stages, STAGES), disable=None):
-        with without(stage):
-            rows += [_row(stage, trial) for trial in trials]
-    return rows
+    return [_row(stage, trial) for stage in tqdm(chosen(config.stages, STAGES), disable=None) for trial in trials]
 
 
-@contextmanager
-def without(stage: str) -> Iterator[None]:
-    """Leaves a stage out of the robust method."""
-    patches = STAGES[stage]
-    traced: list[Any] = []
-    if any(module is registration for module, _, _ in patches):
-        traced = [registration.agreement, registration.register]
-    with ExitStack() as stack:
-        for function in traced:
-            stack.callback(function.clear_cache)  # when all is in its place again
-        for module, name, replacement in patches:
-            stack.enter_context(mock.patch.object(module, name, replacement))
-        for function in traced:
-            function.clear_cache()
-        yield
+def without(stage: str) -> Entry:
+    """The robust method without a stage."""
+    method = replace(Robust(), **STAGES[stage])
+    return Entry(f"without {stage}", method, drop_outliers=False if stage == OUTLIER_RULE else None)
 
 
 def _row(stage: str, trial: Trial) -> Row:
-    found, _, error = attempt(ENTRIES[OURS], trial.points)
-    if found is None:
-        raise RuntimeError(f"without {stage}: {error}")
+    found = without(stage).detect(trial.points, np.random.default_rng(0))
     off = deviation(found.plane, trial.case)
     row = trial.about | {"without": stage, "found": found.found, "angle": off.angle, "offset_error": off.offset}
     return row | {"right": found.found and off.right, "right plane": off.right}

@@ -1,19 +1,18 @@
 """How often the robust method sees a symmetry where there is one, and none where there is none, by condition.
 
-And of what kind: one plane, several, all planes through an axis. Below the rates stands what other constants of
-`symjax.robust.classification` would have made of the same clouds, from the scores in the rows.
+And of what kind: one plane, several, all planes through an axis. Below stand the rates that other `FoundThresholds`
+give on the same clouds, from the scores in the rows.
 """
 
-import inspect
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, islice, product
 from pathlib import Path
 from typing import get_args
-from unittest import mock
 
 import numpy as np
+from jaxtyping import Bool, Float
 from tqdm import tqdm
 
 import symjax
@@ -29,7 +28,11 @@ from symjax.datasets.sample import Symmetry
 from symjax.detection.result import Detection
 from symjax.errors import SymjaxWarning
 from symjax.geometry import distance
-from symjax.robust import classification, method
+from symjax.preprocess.cloud import prepare
+from symjax.robust.classification import BACKGROUND, FoundThresholds, background, relative_noise
+from symjax.robust.method import Robust
+from symjax.robust.quadrics import fit_quadrics
+from symjax.robust.surface import estimate_surface
 
 TRUTHS = {
     "generated": "one plane",
@@ -52,12 +55,12 @@ BALL = "ball"
 SEVERAL = ("several planes", "axis", "sphere")
 
 GRIDS: tuple[dict[str, tuple[float, ...]], ...] = (
-    {"LEAST": (-0.1, -0.05, 0.0, 0.05, 0.1), "PER_BACKGROUND": (-0.2, -0.1, 0.0, 0.1, 0.2)},
-    {"MOST": (-0.1, -0.05, 0.0, 0.05, 0.1)},
-    {"EXACT": (-0.1, -0.05, 0.0, 0.05, 0.1), "EXACT_LEAST": (-0.1, 0.0, 0.1)},
-    {"EXACT_PER_NOISE": (-0.2, -0.1, 0.0, 0.1, 0.2)},
+    {"base": (-0.1, -0.05, 0.0, 0.05, 0.1), "per_background": (-0.2, -0.1, 0.0, 0.1, 0.2)},
+    {"most": (-0.1, -0.05, 0.0, 0.05, 0.1)},
+    {"exactness": (-0.1, -0.05, 0.0, 0.05, 0.1), "exact": (-0.1, 0.0, 0.1)},
+    {"exactness_per_noise": (-0.2, -0.1, 0.0, 0.1, 0.2)},
 )
-"""Steps from the package's constants, varied together."""
+"""Steps from the method's `FoundThresholds`, varied together."""
 
 RATES: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("not found: none", ("none",), "not found"),
@@ -112,11 +115,10 @@ def _cases(config: Config) -> Iterator[Case]:
 
 
 def _row(trial: Trial) -> Row:
-    with warnings.catch_warnings(), mock.patch.object(method, "judge", wraps=classification.judge) as judge:
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", SymjaxWarning)
-        found = symjax.detect(trial.points, rng=0)
-    seen = inspect.signature(classification.judge).bind(*judge.call_args.args, **judge.call_args.kwargs).arguments
-    beside = seen["ranked"][classification.BACKGROUND]
+        # as many candidates as the background is taken from
+        found = symjax.detect(trial.points, Robust(), rng=0, max_planes=BACKGROUND.stop)
     truth = TRUTHS[trial.case.group]
     word = "sphere" if trial.case.name == BALL else truth
     return trial.about | {
@@ -132,9 +134,18 @@ def _row(trial: Trial) -> Row:
         "score": found.score,
         "threshold": found.threshold,
         "exactness": found.exactness,
-        "background": float(np.median([candidate.score for candidate in beside])) if beside else 0.0,
-        "noise": seen["around"].scatter / seen["surface"].tolerance,
+        "background": background(found.candidates),
+        "noise": _noise(trial.points),
     }
+
+
+def _noise(points: Float[np.ndarray, "n 3"]) -> float:
+    """The relative noise of the surface that the robust method sees."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SymjaxWarning)
+        cloud = prepare(points, drop_outliers=Robust.drops_outliers)
+    surface = estimate_surface(cloud.points)
+    return relative_noise(surface, fit_quadrics(surface))
 
 
 def _axis_angle(found: Detection, case: Case) -> float:
@@ -145,7 +156,8 @@ def _axis_angle(found: Detection, case: Case) -> float:
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """Rates by condition, the targets, and the trade-off that other constants would be."""
+    """Rates by condition, the targets, and the rates that other thresholds give."""
+    thresholds = Robust().found
     lines = [_line(c, [row for row in rows if row["condition"] == c]) for c in corruptions.CONDITIONS]
     lines.append(_line("all, generated", [row for row in rows if row["group"].startswith("generated")]))
     lines.append(_line("all, real", [row for row in rows if not row["group"].startswith("generated")]))
@@ -153,14 +165,14 @@ def summary(rows: list[Row]) -> list[Row]:
     lines.append(dict(zip(lines[0], ("TARGET", "", *TARGETS), strict=True)))
     for grid in GRIDS:
         for steps in product(*grid.values()):
-            values = {name: getattr(classification, name) + step for name, step in zip(grid, steps, strict=True)}
-            found = would_be_found(rows, **values)
-            judged = [row | {"found": at, "not found": not at} for row, at in zip(rows, found, strict=True)]
+            values = {name: getattr(thresholds, name) + step for name, step in zip(grid, steps, strict=True)}
+            found = would_be_found(rows, replace(thresholds, **values))
+            answers = [row | {"found": at, "not found": not at} for row, at in zip(rows, found, strict=True)]
             what = ", ".join(f"{name} {value:.2f}" for name, value in values.items())
-            line = _line(what, judged)
+            line = _line(what, answers)
             lines.append(line | dict.fromkeys(list(line)[4:], ""))
-    differ = int(np.count_nonzero(would_be_found(rows) != [row["found"] for row in rows]))
-    lines.append(dict.fromkeys(lines[0], "") | {"what": "clouds judged otherwise by the rule here", "clouds": differ})
+    differ = int(np.count_nonzero(would_be_found(rows, thresholds) != [row["found"] for row in rows]))
+    lines.append(dict.fromkeys(lines[0], "") | {"what": "clouds decided otherwise by the rule here", "clouds": differ})
     return lines
 
 
@@ -173,14 +185,11 @@ def _line(what: str, rows: list[Row]) -> Row:
     return line | {"axis, median deg": float(np.median(angles)) if angles else "-"}
 
 
-def would_be_found(rows: list[Row], **constants: float) -> np.ndarray:
-    """In which clouds other constants would find a plane: the rule of `symmetry.judge`, on the numbers in the rows."""
-    value = {name: constants.get(name, getattr(classification, name)) for grid in GRIDS for name in grid}
+def would_be_found(rows: list[Row], thresholds: FoundThresholds) -> Bool[np.ndarray, "r"]:
+    """In which clouds these thresholds find a plane, from the numbers in the rows."""
     names = ("score", "exactness", "background", "noise")
-    score, exactness, background, noise = (np.array([row[name] for row in rows]) for name in names)
-    usual = np.minimum(value["LEAST"] + value["PER_BACKGROUND"] * background, value["MOST"])
-    exact = exactness > value["EXACT"] + value["EXACT_PER_NOISE"] * noise
-    return score > np.where(exact, value["EXACT_LEAST"], usual)
+    score, exactness, others, noise = (np.array([row[name] for row in rows], float) for name in names)
+    return score > thresholds.threshold(exactness, others, noise)
 
 
 STUDY = Study("calibration", __doc__, SIZES, run, summary, data=WITH_REAL)

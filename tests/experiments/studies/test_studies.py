@@ -16,7 +16,7 @@ from experiments.studies.paper import deviation
 ONE_OBJECT = ["--objects", "1", "--num-points", "300", "--methods", "pca", "--jobs", "1"]
 
 TINY = {
-    "ablation": ["--conditions", "both", "--stages", "nothing,neutral rim"],
+    "ablation": ["--conditions", "both", "--stages", "nothing,neutral boundary"],
     "arena": ONE_OBJECT,
     "articulated": ["--num-points", "3000"],
     "calibration": ["--conditions", "clean", "--data", "absent"],

@@ -114,7 +114,7 @@ def test_what_has_one_plane_has_one_plane(kind):
 
 
 @pytest.mark.parametrize(("kind", "count"), [("block", 3), ("cube", 9), ("prism", 8), ("pyramid", 6)])
-def test_all_planes_of_what_has_several_are_told(kind, count):
+def test_all_planes_of_what_has_several_are_found(kind, count):
     found, truth = detection_of(kind), sample_of(kind)
     assert len(truth.planes) == len(found.planes) == count
     for normal, offset in truth.planes:
@@ -153,13 +153,13 @@ def test_found_and_ambiguous_and_symmetry_agree(kind):
     assert found.found == (found.symmetry != "none") == (found.score > found.threshold)
     assert not (found.ambiguous and found.symmetry in ("none", "one plane"))
     assert (found.axis is not None) == (found.symmetry in ("axis", "sphere"))
-    # the others were weighed on a thousand points only
-    polished = [candidate.ranking_score for candidate in found.candidates if candidate.exactness is not None]
-    assert max(polished) == found.candidates[0].ranking_score
+    # the others were scored on a thousand points only
+    refined = [candidate.ranking_score for candidate in found.candidates if candidate.exactness is not None]
+    assert max(refined) == found.candidates[0].ranking_score
 
 
 @pytest.mark.parametrize("kind", ["block", "drum"])
-def test_the_verdict_does_not_depend_on_how_many_planes_are_asked_for(kind):
+def test_the_symmetry_does_not_depend_on_how_many_planes_are_asked_for(kind):
     found, one = detection_of(kind), symjax.detect(sample_of(kind).points, max_planes=1)
     assert len(one.candidates) == 1
     assert (one.symmetry, one.ambiguous) == (found.symmetry, found.ambiguous)

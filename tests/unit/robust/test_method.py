@@ -12,8 +12,8 @@ from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteErr
 from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
 from symjax.robust import search
-from symjax.robust.surface import surface
-from symjax.symhks.method import SymHKS
+from symjax.robust.method import Robust
+from symjax.robust.surface import estimate_surface
 
 NUM = 1_500
 CORRUPTIONS = {
@@ -106,7 +106,7 @@ def test_pairs_are_given_points_that_the_plane_mirrors_onto_each_other(cloud, de
     np.testing.assert_array_equal(pairs.y, cloud[pairs.rows[:, 1]])
     assert len(np.unique(pairs.rows[:, 0])) == len(pairs.rows) > 0.9 * NUM
     assert ((pairs.weight >= 0) & (pairs.weight <= 1)).all()
-    off = np.linalg.norm(detection.mirror(pairs.x) - pairs.y, axis=1) / surface(cloud).spacing
+    off = np.linalg.norm(detection.mirror(pairs.x) - pairs.y, axis=1) / estimate_surface(cloud).spacing
     assert off[pairs.weight > 0.5].max() < 4
     assert np.median(off[pairs.weight > 0.5]) < 1
     assert 0 < detection.inlier_fraction <= 1
@@ -125,9 +125,9 @@ def test_candidates_are_distinct_and_the_first_is_the_plane(detection):
 
 def test_a_prior_of_any_length_is_found_where_nothing_else_would_be(cloud, truth, monkeypatch):
     nowhere = Plane(np.tile([[0.0, 0.0, 1.0]], (8, 1)), np.linspace(2, 3, 8))
-    monkeypatch.setattr(search, "hypotheses", lambda *_: nowhere)
+    monkeypatch.setattr(search, "hypotheses", lambda *_, **__: nowhere)
     turned = truth.normal + 0.08 * np.cross(truth.normal, [0.0, 0.0, 1.0])
-    with_prior = symjax.detect(cloud, init=Plane(2 * turned, 2 * truth.offset))
+    with_prior = symjax.detect(cloud, Robust(init=Plane(2 * turned, 2 * truth.offset)))
     assert with_prior.plane.angle(truth) < 0.5
     assert with_prior.found
     assert not symjax.detect(cloud).found
@@ -135,7 +135,7 @@ def test_a_prior_of_any_length_is_found_where_nothing_else_would_be(cloud, truth
 
 def test_a_bad_prior_is_harmless(cloud, detection):
     bad = Plane(np.array([0.6, 0.8, 0.0]), np.float64(40.0))
-    assert symjax.detect(cloud, init=bad).plane.angle(detection.plane) < 0.05
+    assert symjax.detect(cloud, Robust(init=bad)).plane.angle(detection.plane) < 0.05
 
 
 @pytest.mark.parametrize(
@@ -149,26 +149,9 @@ def test_a_bad_prior_is_harmless(cloud, detection):
         *("plane", 5, ([1.0, 0.0, 0.0],), (np.ones(3), "a")),
     ],
 )
-def test_a_malformed_prior_is_refused(cloud, init):
+def test_a_malformed_prior_is_refused(init):
     with pytest.raises(InvalidArgumentError, match="init"):
-        symjax.detect(cloud, init=init)
-
-
-@pytest.mark.parametrize(
-    ("method", "change", "words"),
-    [
-        ("robust", {"sigma": 0.02}, "sigma"),
-        ("robust", {"restarts": 4}, "restarts"),
-        ("robust", {"solver": "joint"}, "solver"),
-        ("robust", {"options": SymHKS()}, "options"),
-        ("sym-hks", {"init": Plane(np.array([1.0, 0.0, 0.0]), np.float64(0))}, "init"),
-        ("robust", {"max_planes": 0}, "max_planes"),
-        ("magic", {}, "robust"),
-    ],
-)
-def test_options_of_the_other_method_and_bad_ones_are_refused(cloud, method, change, words):
-    with pytest.raises(InvalidArgumentError, match=words):
-        symjax.detect(cloud, method, **change)
+        Robust(init=init)
 
 
 def test_as_many_candidates_as_asked_for(cloud, detection):
@@ -178,7 +161,7 @@ def test_as_many_candidates_as_asked_for(cloud, detection):
 
 
 def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
-    normals = surface(cloud).normals
+    normals = estimate_surface(cloud).normals
     given = symjax.detect(cloud, normals=-3 * normals)
     assert given.plane.angle(detection.plane) < 0.2
     assert given.score == pytest.approx(detection.score, abs=0.01)

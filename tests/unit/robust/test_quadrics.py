@@ -1,11 +1,11 @@
-"""Quadric patches recover quadrics, leave cubic terms, and know the noise."""
+"""Local quadrics recover quadrics, leave cubic terms, and know the noise."""
 
 import numpy as np
 import pytest
 
 from symjax.datasets.sample import random_orthogonal
-from symjax.robust.quadrics import CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS, heights, patches
-from symjax.robust.surface import surface
+from symjax.robust.quadrics import CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS, fit_quadrics
+from symjax.robust.surface import estimate_surface
 
 
 def quadric(rng, coefficients, count=800, size=1.0):
@@ -21,29 +21,34 @@ def waves(x, y):
     return 0.3 * np.sin(2 * x + 1) * np.cos(1.5 * y) + 0.2 * x * y
 
 
-def bending(around, row):
-    """Half the second fundamental form of a patch as a tensor of space."""
-    c = around.coefficients[row]
-    u, w, _ = around.axes[row]
+def axes_of(quadrics):
+    """Tangents u and w and normal of every point, in rows."""
+    return np.asarray(quadrics.frames.rotation)
+
+
+def bending(quadrics, row):
+    """Half the second fundamental form of a quadric as a tensor of space."""
+    c = quadrics.coefficients[row]
+    u, w, _ = axes_of(quadrics)[row]
     return c[3] * np.outer(u, u) + 0.5 * c[4] * (np.outer(u, w) + np.outer(w, u)) + c[5] * np.outer(w, w)
 
 
 @pytest.mark.parametrize("planted", [(0.5, 0.0, 0.5), (0.8, 0.0, -0.8), (0.3, 0.6, -0.2), (0.0, 0.0, 0.0)])
 def test_a_planted_quadric_is_recovered(rng, planted):
     points, normals = quadric(rng, planted)
-    around = patches(surface(points, normals=normals))
+    quadrics = fit_quadrics(estimate_surface(points, normals=normals))
     expected = np.zeros((3, 3))
     expected[:2, :2] = [[planted[0], planted[1] / 2], [planted[1] / 2, planted[2]]]
-    np.testing.assert_allclose(np.sign(around.axes[0, 2, 2]) * bending(around, 0), expected, atol=2e-3)
-    np.testing.assert_allclose(around.coefficients[0, :3], 0, atol=1e-4)
+    np.testing.assert_allclose(np.sign(axes_of(quadrics)[0, 2, 2]) * bending(quadrics, 0), expected, atol=2e-3)
+    np.testing.assert_allclose(quadrics.coefficients[0, :3], 0, atol=1e-4)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 200.0])
-def test_the_patch_turns_and_grows_with_the_surface(rng, scale):
+def test_the_quadric_turns_and_grows_with_the_surface(rng, scale):
     points, normals = quadric(rng, (0.3, 0.6, -0.2))
     turn = random_orthogonal(rng)
-    one = patches(surface(points, normals=normals))
-    other = patches(surface(scale * points @ turn.T + scale, normals=normals @ turn.T))
+    one = fit_quadrics(estimate_surface(points, normals=normals))
+    other = fit_quadrics(estimate_surface(scale * points @ turn.T + scale, normals=normals @ turn.T))
     # the same geometry: curvatures shrink as lengths grow
     np.testing.assert_allclose(scale * bending(other, 0), turn @ bending(one, 0) @ turn.T, atol=3e-4)
     assert other.scatter == pytest.approx(scale * one.scatter, rel=1e-3)
@@ -52,19 +57,19 @@ def test_the_patch_turns_and_grows_with_the_surface(rng, scale):
 
 def test_axes_are_a_frame_whose_third_is_the_normal(rng):
     points, normals = quadric(rng, (0.3, 0.6, -0.2), 200)
-    found = surface(points, normals=normals)
-    axes = patches(found).axes
+    found = estimate_surface(points, normals=normals)
+    axes = axes_of(fit_quadrics(found))
     np.testing.assert_allclose(axes @ axes.transpose(0, 2, 1), np.tile(np.eye(3), (200, 1, 1)), atol=1e-12)
     np.testing.assert_array_equal(axes[:, 2], found.normals)
 
 
 def error_between_points(rng, count):
-    """Median height of other points of a surface above their nearest neighbours' patches, away from its border."""
+    """Median height of other points of a surface above their nearest neighbours' quadrics, away from its border."""
     xy = rng.uniform(-1, 1, size=(count, 2))
-    found = surface(np.c_[xy, waves(*xy.T)])
+    found = estimate_surface(np.c_[xy, waves(*xy.T)])
     fresh = rng.uniform(-0.7, 0.7, size=(2_000, 2))
     fresh = np.c_[fresh, waves(*fresh.T)]
-    return np.median(np.abs(heights(fresh, patches(found), found.tree.query(fresh)[1]))), found.spacing
+    return np.median(np.abs(fit_quadrics(found).heights(fresh, found.tree.query(fresh)[1]))), found.spacing
 
 
 def test_the_error_goes_with_the_cube_of_the_spacing(rng):
@@ -77,17 +82,19 @@ def test_the_error_goes_with_the_cube_of_the_spacing(rng):
 
 def test_heights_are_signed_distances_along_the_normal(rng):
     points, normals = quadric(rng, (0.3, 0.6, -0.2))
-    found = surface(points, normals=normals)
-    around = patches(found)
+    found = estimate_surface(points, normals=normals)
+    quadrics = fit_quadrics(found)
     rows = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < 0.4)
     for lift in (-0.01, 0.02):
-        np.testing.assert_allclose(heights(points[rows] + lift * found.normals[rows], around, rows), lift, atol=2e-4)
+        np.testing.assert_allclose(quadrics.heights(points[rows] + lift * found.normals[rows], rows), lift, atol=2e-4)
 
 
 def test_scatter_goes_with_the_noise(rng):
     xy, error = rng.uniform(-1, 1, size=(3_000, 2)), rng.normal(size=3_000)
     levels = np.array([0.005, 0.01, 0.02])
-    ratio = [patches(surface(np.c_[xy, waves(*xy.T) + noise * error])).scatter / noise for noise in levels]
+    ratio = [
+        fit_quadrics(estimate_surface(np.c_[xy, waves(*xy.T) + noise * error])).scatter / noise for noise in levels
+    ]
     # less than the noise: six coefficients of a dozen points follow a part of it
     assert np.sqrt(1 - 6 / 12) - 0.15 < min(ratio)
     assert max(ratio) < 1
@@ -96,30 +103,30 @@ def test_scatter_goes_with_the_noise(rng):
 
 def test_a_clean_surface_has_next_to_no_scatter(rng):
     xy = rng.uniform(-1, 1, size=(3_000, 2))
-    found = surface(np.c_[xy, waves(*xy.T)])
-    assert patches(found).scatter < 0.01 * found.spacing
+    found = estimate_surface(np.c_[xy, waves(*xy.T)])
+    assert fit_quadrics(found).scatter < 0.01 * found.spacing
 
 
-def test_noisy_surfaces_get_larger_patches(rng):
+def test_quadrics_of_noisy_surfaces_have_more_neighbours(rng):
     xy = rng.uniform(-1, 1, size=(2_000, 2))
-    clean, noisy = (surface(np.c_[xy, level * rng.normal(size=2_000)]) for level in (0.0, 0.05))
+    clean, noisy = (estimate_surface(np.c_[xy, level * rng.normal(size=2_000)]) for level in (0.0, 0.05))
     assert (clean.noisy, noisy.noisy) == (False, True)
     for found, count in ((clean, CLEAN_NEIGHBOURS), (noisy, NOISY_NEIGHBOURS)):
-        np.testing.assert_allclose(patches(found).reach, found.tree.query(found.points, k=count + 1)[0][:, -1])
+        np.testing.assert_allclose(fit_quadrics(found).reach, found.tree.query(found.points, k=count + 1)[0][:, -1])
 
 
-def test_outliers_hardly_pull_the_patches(rng):
+def test_outliers_hardly_pull_the_quadrics(rng):
     points, _ = quadric(rng, (0.5, 0.0, 0.5))
     stray = np.c_[rng.uniform(-0.5, 0.5, size=(80, 2)), rng.uniform(0.4, 1.5, 80)]
-    alone, together = patches(surface(points)), patches(surface(np.vstack([points, stray])))
+    alone, together = fit_quadrics(estimate_surface(points)), fit_quadrics(estimate_surface(np.vstack([points, stray])))
     inner = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < 0.35)
-    moved = heights(points[inner], together, inner) - heights(points[inner], alone, inner)
+    moved = together.heights(points[inner], inner) - alone.heights(points[inner], inner)
     assert np.median(np.abs(moved)) < 1e-3
 
 
-def test_few_points_and_flat_ones_have_patches(rng):
+def test_few_points_and_flat_ones_have_quadrics(rng):
     flat = np.c_[rng.uniform(size=(12, 2)), np.zeros(12)]
-    around = patches(surface(flat))
-    assert np.isfinite(around.coefficients).all()
-    np.testing.assert_allclose(heights(flat, around, np.arange(12)), 0, atol=1e-9)
-    assert around.scatter < 1e-9
+    quadrics = fit_quadrics(estimate_surface(flat))
+    assert np.isfinite(quadrics.coefficients).all()
+    np.testing.assert_allclose(quadrics.heights(flat, np.arange(12)), 0, atol=1e-9)
+    assert quadrics.scatter < 1e-9

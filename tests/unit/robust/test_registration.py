@@ -1,4 +1,4 @@
-"""The registration against its formulas in NumPy, lane by lane, and planes that find their way back."""
+"""The registration against its formulas in NumPy, plane by plane, and planes that find their way back."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ import pytest
 from symjax.datasets import generate
 from symjax.geometry.plane import Plane
 from symjax.preprocess.cloud import prepare
-from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Planes, Probes, agreement, register
+from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Planes, Probes, grid_scores, register
 from symjax.robust.search import ROUNDS
-from symjax.robust.surface import surface
-from symjax.robust.voxel_grid import SIZE, lattice
+from symjax.robust.surface import estimate_surface
+from symjax.robust.voxel_grid import SIZE, voxel_grid
 
 ISOTROPIC = 0.2
 SIGMA = 0.04
@@ -17,14 +17,16 @@ BATCHES = [1, 5, 16, 48, 64, 65, 100]
 
 
 def scene_of(kind, num_points=2_000):
-    """Surface, lattice and probes of an object in units of its diagonal, and its true plane."""
+    """Voxel grid and probes of an object in units of its diagonal, and its true plane."""
     sample = generate(kind, num_points=num_points, rng=0)
     cloud = prepare(sample.points)
-    around = surface(cloud.points)
-    normal, offset = cloud.to_given.inverse().plane(Plane(sample.normals[0], sample.offsets[0]))
+    surface = estimate_surface(cloud.points)
+    normal, offset = cloud.to_given.inverse().plane(Plane(*sample.planes[0]))
     rows = np.random.default_rng(1).permutation(len(cloud.points))[:512]
-    probes = Probes(*(a.astype(np.float32) for a in (around.points[rows], around.normals[rows], around.trust[rows])))
-    return lattice(around, None), probes, normal, offset
+    probes = Probes(
+        *(a.astype(np.float32) for a in (surface.points[rows], surface.normals[rows], surface.confidence[rows]))
+    )
+    return voxel_grid(surface, None, boundary_penalty=0.15), probes, normal, offset
 
 
 @pytest.fixture(scope="module")
@@ -39,35 +41,35 @@ def random_planes(count):
     return Planes(v.astype(np.float32), rng.uniform(-0.15, 0.15, count).astype(np.float32))
 
 
-def one_step(planes, probes, cells, sigma=SIGMA):
-    moved = register(planes, np.array([sigma], np.float32), probes, cells, isotropic=ISOTROPIC)
+def one_step(planes, probes, grid, sigma=SIGMA):
+    moved = register(planes, np.array([sigma], np.float32), probes, grid, isotropic=ISOTROPIC)
     return np.asarray(moved.v), np.asarray(moved.omega)
 
 
-def mirrored(v, omega, probes, cells):
-    """Heights, partners, their normals, evidence and blame, in float64 after the look-up in float32."""
+def mirrored(v, omega, probes, grid):
+    """Heights, partners, their normals, cosines and penalties, in float64 after the look-up in float32."""
     x, normals = probes.x.astype(float), probes.normals.astype(float)
     height = x @ v - omega
     image = x - 2 * np.outer(height, v)
-    at = np.clip(((image - cells.origin) / float(cells.cell)).astype(int), 0, SIZE - 1)
+    at = np.clip(((image - grid.origin) / float(grid.cell)).astype(int), 0, SIZE - 1)
     index = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
-    y, n = cells.point[index].astype(float), cells.normal[index].astype(float)
+    y, n = grid.point[index].astype(float), grid.normal[index].astype(float)
     facing = normals - 2 * np.outer(normals @ v, v)
     cosine = (facing * n).sum(axis=1)
-    return height, image, y, n, cosine, cells.blame[index].astype(float)
+    return height, image, y, n, cosine, grid.penalty[index].astype(float)
 
 
-def counts_and_share(v, omega, sigma, probes, cells):
-    height, image, y, _, cosine, blame = mirrored(v, omega, probes, cells)
-    counts = probes.weight * (1 - np.exp(-2 * (height / (FAR * sigma)) ** 2))
-    return counts, np.exp(-((image - y) ** 2).sum(axis=1) / (2 * sigma**2)) * cosine**2, blame
+def weight_and_agreement(v, omega, sigma, probes, grid):
+    height, image, y, _, cosine, penalty = mirrored(v, omega, probes, grid)
+    weight = probes.weight * (1 - np.exp(-2 * (height / (FAR * sigma)) ** 2))
+    return weight, np.exp(-((image - y) ** 2).sum(axis=1) / (2 * sigma**2)) * cosine**2, penalty
 
 
-def step_in_numpy(v, omega, sigma, probes, cells):
+def step_in_numpy(v, omega, sigma, probes, grid):
     """One damped Gauss-Newton step on Σ w (n·(x′ − y))² + isotropic w ‖x′ − y‖², by differences of its residuals."""
-    counts, share, _ = counts_and_share(v, omega, sigma, probes, cells)
-    _, _, y, n, _, _ = mirrored(v, omega, probes, cells)
-    root = np.sqrt(counts * share)
+    weight, agreement, _ = weight_and_agreement(v, omega, sigma, probes, grid)
+    _, _, y, n, _, _ = mirrored(v, omega, probes, grid)
+    root = np.sqrt(weight * agreement)
     basis = np.linalg.svd(v[None])[2][1:]
     x = probes.x.astype(float)
 
@@ -87,10 +89,10 @@ def step_in_numpy(v, omega, sigma, probes, cells):
 
 
 def test_one_step_is_the_gauss_newton_step_of_the_reweighted_squares(scene):
-    cells, probes, *_ = scene
+    grid, probes, *_ = scene
     planes = random_planes(64)
-    v, omega = one_step(planes, probes, cells)
-    expected = [step_in_numpy(a.astype(float), float(b), SIGMA, probes, cells) for a, b in zip(*planes, strict=True)]
+    v, omega = one_step(planes, probes, grid)
+    expected = [step_in_numpy(a.astype(float), float(b), SIGMA, probes, grid) for a, b in zip(*planes, strict=True)]
     off = np.abs(v - np.stack([a for a, _ in expected])).max(axis=1)
     shift = np.abs(omega - np.array([b for _, b in expected]))
     # a mirror image on a cell's border may be looked up on its other side
@@ -100,52 +102,52 @@ def test_one_step_is_the_gauss_newton_step_of_the_reweighted_squares(scene):
     assert np.median(moved) > 0.01
 
 
-def test_agreement_is_support_over_support_and_blame(scene):
-    cells, probes, *_ = scene
+def test_a_score_is_agreement_over_agreement_and_penalty(scene):
+    grid, probes, *_ = scene
     planes = random_planes(100)
-    found = np.asarray(agreement(planes, np.float32(SIGMA), probes, cells))
+    found = np.asarray(grid_scores(planes, np.float32(SIGMA), probes, grid))
     expected = []
     for v, omega in zip(*planes, strict=True):
-        counts, share, blame = counts_and_share(v.astype(float), float(omega), SIGMA, probes, cells)
-        support = (counts * share).sum()
-        expected.append(support / (support + (counts * (1 - share) * blame).sum() + 1e-6 * probes.weight.sum()))
+        weight, agreement, penalty = weight_and_agreement(v.astype(float), float(omega), SIGMA, probes, grid)
+        agreeing = (weight * agreement).sum()
+        expected.append(agreeing / (agreeing + (weight * (1 - agreement) * penalty).sum() + 1e-6 * probes.weight.sum()))
     np.testing.assert_allclose(found, expected, atol=2e-3)
     assert np.ptp(found) > 0.1
 
 
 @pytest.mark.parametrize("count", BATCHES)
 def test_a_batch_is_what_its_planes_are_one_by_one(scene, count):
-    # a sum over an axis of length 3 inside vmap comes out wrong on some CPUs, in some lanes of some batches
-    cells, probes, *_ = scene
+    # a sum over an axis of length 3 inside vmap comes out wrong on some CPUs, in some rows of some batches
+    grid, probes, *_ = scene
     planes = random_planes(count)
-    alone = [one_step(Planes(*(a[i : i + 1] for a in planes)), probes, cells) for i in range(0, count, 7)]
+    alone = [one_step(Planes(*(a[i : i + 1] for a in planes)), probes, grid) for i in range(0, count, 7)]
     for order in (np.arange(count), np.arange(count)[::-1]):
         batch = Planes(*(a[order] for a in planes))
-        v, omega = (a[order] for a in one_step(batch, probes, cells))
+        v, omega = (a[order] for a in one_step(batch, probes, grid))
         np.testing.assert_allclose(v[::7], np.concatenate([a for a, _ in alone]), atol=2e-4)
         np.testing.assert_allclose(omega[::7], np.concatenate([b for _, b in alone]), atol=2e-4)
 
 
-def test_lanes_do_not_depend_on_their_neighbours(scene):
-    cells, probes, *_ = scene
+def test_planes_do_not_depend_on_their_neighbours(scene):
+    grid, probes, *_ = scene
     planes = random_planes(100)
-    v, omega = one_step(planes, probes, cells)
+    v, omega = one_step(planes, probes, grid)
     order = np.random.default_rng(0).permutation(100)
-    shuffled = one_step(Planes(planes.v[order], planes.omega[order]), probes, cells)
+    shuffled = one_step(Planes(planes.v[order], planes.omega[order]), probes, grid)
     np.testing.assert_allclose(shuffled[0], v[order], atol=2e-4)
     np.testing.assert_allclose(shuffled[1], omega[order], atol=2e-4)
-    scores = [agreement(Planes(*(a[rows] for a in planes)), np.float32(SIGMA), probes, cells) for rows in (order, [3])]
-    together = np.asarray(agreement(planes, np.float32(SIGMA), probes, cells))
+    scores = [grid_scores(Planes(*(a[rows] for a in planes)), np.float32(SIGMA), probes, grid) for rows in (order, [3])]
+    together = np.asarray(grid_scores(planes, np.float32(SIGMA), probes, grid))
     np.testing.assert_allclose(scores[0], together[order], atol=1e-3)
     np.testing.assert_allclose(scores[1], together[3:4], atol=1e-3)
 
 
-def perturbed(normal, offset, count, degrees, share):
+def perturbed(normal, offset, count, degrees, shift):
     rng = np.random.default_rng(5)
     across = np.cross(normal, rng.normal(size=(count, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     v = np.cos(np.radians(degrees)) * normal + np.sin(np.radians(degrees)) * across
-    return Planes(v.astype(np.float32), (offset + share * rng.choice([-1, 1], count)).astype(np.float32))
+    return Planes(v.astype(np.float32), (offset + shift * rng.choice([-1, 1], count)).astype(np.float32))
 
 
 def angles(v, normal):
@@ -154,32 +156,32 @@ def angles(v, normal):
 
 @pytest.mark.parametrize("kind", ["quadruped", "chair", "human", "teapot"])
 def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return(kind):
-    cells, probes, normal, offset = scene_of(kind)
+    grid, probes, normal, offset = scene_of(kind)
     planes = perturbed(normal, offset, 64, 8.0, 0.03)
     sigmas = np.array([s for stage in ROUNDS for s in stage.sigmas], np.float32)
-    moved = register(planes, sigmas, probes, cells, isotropic=ROUNDS[-1].isotropic)
+    moved = register(planes, sigmas, probes, grid, isotropic=ROUNDS[-1].isotropic)
     v, omega = np.asarray(moved.v), np.asarray(moved.omega)
     assert np.quantile(angles(v, normal), 0.9) < 1.0
     assert np.quantile(np.abs(np.abs(omega) - abs(offset)), 0.9) < 0.005
-    before = agreement(planes, np.float32(0.025), probes, cells)
-    assert np.mean(np.asarray(agreement(moved, np.float32(0.025), probes, cells)) > np.asarray(before)) > 0.95
+    before = grid_scores(planes, np.float32(0.025), probes, grid)
+    assert np.mean(np.asarray(grid_scores(moved, np.float32(0.025), probes, grid)) > np.asarray(before)) > 0.95
 
 
 def test_a_plane_and_its_opposite_are_one(scene):
-    cells, probes, *_ = scene
+    grid, probes, *_ = scene
     planes = random_planes(64)
     turned = Planes(-planes.v, -planes.omega)
-    (v, omega), (u, tau) = (one_step(p, probes, cells) for p in (planes, turned))
+    (v, omega), (u, tau) = (one_step(p, probes, grid) for p in (planes, turned))
     np.testing.assert_allclose(u, -v, atol=5e-4)
     np.testing.assert_allclose(tau, -omega, atol=5e-4)
-    scores = [np.asarray(agreement(p, np.float32(SIGMA), probes, cells)) for p in (planes, turned)]
+    scores = [np.asarray(grid_scores(p, np.float32(SIGMA), probes, grid)) for p in (planes, turned)]
     np.testing.assert_allclose(*scores, atol=1e-3)
 
 
 def test_a_step_is_never_longer_than_its_limits(scene):
-    cells, probes, *_ = scene
+    grid, probes, *_ = scene
     planes = random_planes(64)
-    v, omega = one_step(planes, probes, cells, sigma=0.3)
+    v, omega = one_step(planes, probes, grid, sigma=0.3)
     assert np.radians(angles_between(v, planes.v)).max() <= LONGEST_TURN + 1e-3
     assert np.abs(omega - planes.omega).max() <= LONGEST_SHIFT + 1e-6
     np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, atol=1e-5)
@@ -190,7 +192,7 @@ def angles_between(a, b):
 
 
 def degenerate(scene, case):
-    cells, probes, *_ = scene
+    grid, probes, *_ = scene
     planes, sigma = random_planes(64), SIGMA
     if case == "no weight":
         probes = probes._replace(weight=np.zeros_like(probes.weight))
@@ -200,13 +202,13 @@ def degenerate(scene, case):
         sigma = 1e-6
     else:
         planes = Planes(planes.v, planes.omega + np.float32(100))
-    return planes, sigma, probes, cells
+    return planes, sigma, probes, grid
 
 
 @pytest.mark.parametrize("case", ["no weight", "one place", "tiny sigma", "far away"])
 def test_degenerate_input_leaves_the_plane_finite(scene, case):
-    planes, sigma, probes, cells = degenerate(scene, case)
-    v, omega = one_step(planes, probes, cells, sigma=sigma)
+    planes, sigma, probes, grid = degenerate(scene, case)
+    v, omega = one_step(planes, probes, grid, sigma=sigma)
     assert np.isfinite(v).all()
     assert np.isfinite(omega).all()
     np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, atol=1e-5)
@@ -218,9 +220,9 @@ def test_degenerate_input_leaves_the_plane_finite(scene, case):
     "case",
     ["no weight", "one place", "tiny sigma", "far away"],
 )
-def test_degenerate_input_has_an_agreement(scene, case):
-    planes, sigma, probes, cells = degenerate(scene, case)
-    scores = np.asarray(agreement(planes, np.float32(sigma), probes, cells))
+def test_degenerate_input_has_a_score(scene, case):
+    planes, sigma, probes, grid = degenerate(scene, case)
+    scores = np.asarray(grid_scores(planes, np.float32(sigma), probes, grid))
     assert ((scores >= 0) & (scores <= 1)).all()
     if case in ("no weight", "far away"):
         np.testing.assert_array_equal(scores, 0)

@@ -1,4 +1,4 @@
-"""What speaks for a plane: nearly all for the true one of twins, little for a wrong one, nothing for one far off."""
+"""Scores of planes: high for the true one of twins, low for a wrong one, zero for one far off."""
 
 import numpy as np
 import pytest
@@ -6,18 +6,18 @@ from scipy.spatial import cKDTree
 
 from symjax.datasets import add_noise, generate
 from symjax.geometry.plane import Plane
-from symjax.robust.quadrics import patches
-from symjax.robust.scoring import SLACK, TOLERANCES, Evidence, evidence, exactness
-from symjax.robust.surface import surface
-from symjax.robust.voxel_grid import blame_at, lattice
+from symjax.robust.quadrics import fit_quadrics
+from symjax.robust.scoring import SLACK, TOLERANCES, PlaneScore, exactness, score_plane
+from symjax.robust.surface import estimate_surface
+from symjax.robust.voxel_grid import penalty_at, voxel_grid
 
 TRUE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))
 
 
 def around_of(points):
-    """Surface and lattice, in units of the diagonal."""
-    found = surface(points / np.linalg.norm(np.ptp(points, axis=0)))
-    return found, lattice(found, None)
+    """Surface and voxel grid, in units of the diagonal."""
+    found = estimate_surface(points / np.linalg.norm(np.ptp(points, axis=0)))
+    return found, voxel_grid(found, None, boundary_penalty=0.15)
 
 
 @pytest.fixture(scope="module")
@@ -40,104 +40,104 @@ def turned(degrees, shift=0.0):
 
 
 def test_every_twin_is_its_own_partner_and_agrees(twins):
-    found = evidence(TRUE, *twins)
+    found = score_plane(TRUE, *twins)
     points = twins[0].points
     np.testing.assert_allclose(points[found.partner], points * [-1, 1, 1], atol=1e-12)
     np.testing.assert_array_equal(found.partner[found.partner], np.arange(len(points)))
     assert found.score > 0.99
-    assert np.median(found.share) > 0.999
+    assert np.median(found.agreement) > 0.999
 
 
 def test_a_wrong_plane_scores_little(twins, random_sample):
     for around in (twins, random_sample):
-        true = evidence(TRUE, *around).score
+        true = score_plane(TRUE, *around).score
         assert true > 0.85
         for plane in (turned(30), turned(90), Plane(TRUE.normal, np.float64(0.1))):
-            assert evidence(plane, *around).score < 0.6 * true
+            assert score_plane(plane, *around).score < 0.6 * true
 
 
 def test_the_score_falls_as_the_plane_leaves_the_truth(random_sample):
-    by_angle = [evidence(turned(angle), *random_sample).score for angle in (0, 2, 5, 15)]
-    by_shift = [evidence(turned(0, shift), *random_sample).score for shift in (0, 0.005, 0.02, 0.05)]
+    by_angle = [score_plane(turned(angle), *random_sample).score for angle in (0, 2, 5, 15)]
+    by_shift = [score_plane(turned(0, shift), *random_sample).score for shift in (0, 0.005, 0.02, 0.05)]
     assert (np.diff(by_angle) < 0).all()
     assert (np.diff(by_shift) < 0).all()
 
 
 def test_a_plane_far_away_scores_nothing(random_sample):
-    found = evidence(Plane(TRUE.normal, np.float64(10.0)), *random_sample)
+    found = score_plane(Plane(TRUE.normal, np.float64(10.0)), *random_sample)
     assert found.score < 1e-9
-    assert found.counts.min() > 0
+    assert found.weight.min() > 0
 
 
 @pytest.mark.parametrize("degrees", [0, 20, 70])
 def test_a_plane_and_its_opposite_have_one_score(random_sample, degrees):
     plane = turned(degrees, 0.03)
-    one, other = (evidence(p, *random_sample) for p in (plane, Plane(-plane.normal, -plane.offset)))
+    one, other = (score_plane(p, *random_sample) for p in (plane, Plane(-plane.normal, -plane.offset)))
     np.testing.assert_array_equal(one.partner, other.partner)
-    np.testing.assert_allclose(other.share, one.share, rtol=1e-12)
+    np.testing.assert_allclose(other.agreement, one.agreement, rtol=1e-12)
     assert other.score == pytest.approx(one.score, rel=1e-12)
 
 
 def test_the_partner_is_the_nearest_neighbour_of_the_mirror_image(random_sample):
-    around, cells = random_sample
+    around, grid = random_sample
     plane = turned(10, 0.02)
     image = np.asarray(plane.reflect(around.points))
-    found = evidence(plane, around, cells)
+    found = score_plane(plane, around, grid)
     np.testing.assert_array_equal(found.partner, cKDTree(around.points).query(image)[1])
-    np.testing.assert_array_equal(found.blame, blame_at(cells, image))
-    assert found.share.min() >= 0
-    assert found.share.max() <= 1
-    assert (found.counts <= around.trust + 1e-12).all()
+    np.testing.assert_array_equal(found.penalty, penalty_at(grid, image))
+    assert found.agreement.min() >= 0
+    assert found.agreement.max() <= 1
+    assert (found.weight <= around.confidence + 1e-12).all()
 
 
-def test_the_share_falls_with_height_distance_and_turn_of_the_normal(rng):
+def test_the_agreement_falls_with_height_distance_and_turn_of_the_normal(rng):
     # a flat sheet at x = 1 and a few probes at x < 0, whose images are lifted, shifted and tilted by known amounts
     sheet = np.c_[np.ones(400), rng.uniform(-1, 1, size=(400, 2))]
     lift, tilt = np.array([0.0, 0.02, 0.0, 0.0]), np.radians([0, 0, 40, 0])
     beside = np.array([0.0, 0.0, 0.0, 1.0])
     probes = np.stack([-1 - lift, np.array([0.0, 0.1, -0.2, 0.9]) + beside, np.zeros(4)], axis=1)
     normals = np.r_[np.tile([[1.0, 0.0, 0.0]], (400, 1)), np.stack([np.cos(tilt), np.sin(tilt), 0 * tilt], axis=1)]
-    around = surface(np.vstack([sheet, probes]), normals=normals)
-    found = evidence(TRUE, around, lattice(around, None), np.arange(400, 404))
+    around = estimate_surface(np.vstack([sheet, probes]), normals=normals)
+    found = score_plane(TRUE, around, voxel_grid(around, None, boundary_penalty=0.15), np.arange(400, 404))
     image = probes * [-1, 1, 1]
     off = image - around.points[found.partner]
     along = np.linalg.norm(off[:, 1:], axis=1)
     expected = np.exp(-0.5 * (off[:, 0] / (TOLERANCES * around.tolerance)) ** 2)
     expected *= np.exp(-0.5 * np.maximum(along / around.spacing - SLACK, 0) ** 2) * np.cos(tilt) ** 2
-    np.testing.assert_allclose(found.share, expected, rtol=1e-6, atol=1e-9)
-    assert found.share[0] > 0.99
-    assert (found.share[1:] < 0.97).all()
+    np.testing.assert_allclose(found.agreement, expected, rtol=1e-6, atol=1e-9)
+    assert found.agreement[0] > 0.99
+    assert (found.agreement[1:] < 0.97).all()
 
 
 def test_points_on_the_plane_count_nothing(random_sample):
     around, _ = random_sample
     height = np.abs(around.points[:, 0])
-    counts = evidence(TRUE, *random_sample).counts / around.trust
-    assert counts[height < 0.1 * around.spacing].max() < 0.01
-    assert counts[height > 4 * around.spacing].min() > 0.99
+    weight = score_plane(TRUE, *random_sample).weight / around.confidence
+    assert weight[height < 0.1 * around.spacing].max() < 0.01
+    assert weight[height > 4 * around.spacing].min() > 0.99
 
 
-def test_some_rows_say_what_they_say_among_all(random_sample):
+def test_some_rows_agree_as_they_do_among_all(random_sample):
     rows = np.arange(0, 2_000, 3)
-    some, every = evidence(turned(5), *random_sample, rows), evidence(turned(5), *random_sample)
+    some, every = score_plane(turned(5), *random_sample, rows), score_plane(turned(5), *random_sample)
     for part, whole in zip(some, every, strict=True):
         np.testing.assert_allclose(part, whole[rows], rtol=1e-9, atol=1e-12)
 
 
-def test_the_score_is_support_over_support_and_blame():
-    share, counts, blame = np.array([1.0, 0.5, 0.0]), np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 0.25])
-    found = Evidence(np.zeros(3, int), share, counts, blame)
+def test_the_score_is_agreement_over_agreement_and_penalty():
+    agreement, weight, penalty = np.array([1.0, 0.5, 0.0]), np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 0.25])
+    found = PlaneScore(np.zeros(3, int), agreement, weight, penalty)
     assert found.score == pytest.approx(2.0 / (2.0 + 0.5 + 1.0))
     assert found.score_of(np.ones(3)) == pytest.approx(1)
     assert found.score_of(np.zeros(3)) == 0
-    assert found._replace(counts=np.zeros(3)).score == 0
-    # where nothing is blamed, what agrees decides alone
-    assert found._replace(blame=np.zeros(3)).score == pytest.approx(1)
+    assert found._replace(weight=np.zeros(3)).score == 0
+    # where there is no penalty, what agrees decides alone
+    assert found._replace(penalty=np.zeros(3)).score == pytest.approx(1)
 
 
 def exactness_of(points, plane):
-    around, cells = around_of(points)
-    return exactness(plane, around, evidence(plane, around, cells), patches(around))
+    around, grid = around_of(points)
+    return exactness(plane, around, score_plane(plane, around, grid), fit_quadrics(around))
 
 
 def test_exactness_is_high_where_the_symmetry_is_exact_whatever_the_noise():
@@ -156,8 +156,8 @@ def test_exactness_is_low_where_there_is_no_symmetry(kind):
 
 
 def test_exactness_sees_what_the_score_forgives(random_sample):
-    around, cells = random_sample
-    local = patches(around)
-    exact, off = (evidence(plane, around, cells) for plane in (TRUE, turned(0, 0.002)))
+    around, grid = random_sample
+    local = fit_quadrics(around)
+    exact, off = (score_plane(plane, around, grid) for plane in (TRUE, turned(0, 0.002)))
     assert off.score > 0.95 * exact.score
     assert exactness(turned(0, 0.002), around, off, local) < 0.6 * exactness(TRUE, around, exact, local)

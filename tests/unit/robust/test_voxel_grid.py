@@ -1,29 +1,35 @@
-"""The lattice's look-up against an exact search, and its blame."""
+"""The voxel grid's look-up against an exact search, and its non-match penalty."""
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from symjax.datasets import generate, remove_part
-from symjax.robust.surface import surface
+from symjax.robust.surface import estimate_surface
 from symjax.robust.visibility import Viewpoint
-from symjax.robust.voxel_grid import BEYOND_RIM, MARGIN, SIZE, blame_at, lattice
+from symjax.robust.voxel_grid import MARGIN, SIZE, penalty_at, voxel_grid
+
+BOUNDARY_PENALTY = 0.2
+
+
+def grid_of(surface, viewpoint):
+    return voxel_grid(surface, viewpoint, boundary_penalty=BOUNDARY_PENALTY)
 
 
 @pytest.fixture(scope="module")
 def around():
-    return surface(remove_part(generate("quadruped", num_points=2_000, rng=0).points, 0.2, 1)[0])
+    return estimate_surface(remove_part(generate("quadruped", num_points=2_000, rng=0).points, 0.2, 1)[0])
 
 
 @pytest.fixture(scope="module")
-def cells(around):
-    return lattice(around, None)
+def grid(around):
+    return grid_of(around, None)
 
 
 @pytest.fixture(scope="module")
-def middles(cells):
+def middles(grid):
     index = np.stack(np.unravel_index(np.arange(SIZE**3), (SIZE, SIZE, SIZE)), axis=1)
-    return cells.origin + float(cells.cell) * (index + 0.5)
+    return grid.origin + float(grid.cell) * (index + 0.5)
 
 
 def a_scan():
@@ -34,91 +40,91 @@ def a_scan():
     return Viewpoint(np.array([0.0, 0.0, 1.0]), np.zeros(3), 1e3, 0.1, np.array([-2.0, -2.0]), depth)
 
 
-def test_the_point_of_every_cell_is_the_nearest_up_to_the_cells_diagonal(around, cells, middles):
+def test_the_point_of_every_voxel_is_the_nearest_up_to_the_voxels_diagonal(around, grid, middles):
     exact = cKDTree(around.points).query(middles)[0]
-    found = np.linalg.norm(cells.point - middles, axis=1)
-    assert (found - exact).max() < np.sqrt(3) * cells.cell + 1e-5
+    found = np.linalg.norm(grid.point - middles, axis=1)
+    assert (found - exact).max() < np.sqrt(3) * grid.cell + 1e-5
     assert (found - exact).min() > -1e-5
     # most are the nearest indeed, or nearly so
-    assert np.quantile(found - exact, 0.9) < 0.5 * cells.cell
+    assert np.quantile(found - exact, 0.9) < 0.5 * grid.cell
 
 
-def test_a_point_of_the_surface_finds_itself_or_one_in_its_cell(around, cells):
-    at = np.floor((around.points - cells.origin) / cells.cell).astype(int)
-    theirs = cells.point[(at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]]
-    np.testing.assert_array_equal(np.floor((theirs - cells.origin) / cells.cell).astype(int), at)
-    assert np.linalg.norm(theirs - around.points, axis=1).max() <= np.sqrt(3) * cells.cell
+def test_a_point_of_the_surface_finds_itself_or_one_in_its_voxel(around, grid):
+    at = np.floor((around.points - grid.origin) / grid.cell).astype(int)
+    theirs = grid.point[(at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]]
+    np.testing.assert_array_equal(np.floor((theirs - grid.origin) / grid.cell).astype(int), at)
+    assert np.linalg.norm(theirs - around.points, axis=1).max() <= np.sqrt(3) * grid.cell
 
 
-def test_of_several_points_in_a_cell_the_nearest_to_its_middle_stays(rng):
+def test_of_several_points_in_a_voxel_the_nearest_to_its_middle_stays(rng):
     points = generate("quadruped", num_points=200, rng=0).points
     extra = points[::10] + 1e-3 * rng.normal(size=(20, 3))
-    around = surface(np.vstack([points, extra]))
-    cells = lattice(around, None)
-    at = np.floor((around.points - cells.origin) / cells.cell).astype(int)
-    middle = cells.origin + cells.cell * (at + 0.5)
+    around = estimate_surface(np.vstack([points, extra]))
+    grid = grid_of(around, None)
+    at = np.floor((around.points - grid.origin) / grid.cell).astype(int)
+    middle = grid.origin + grid.cell * (at + 0.5)
     keys = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
     shared = [key for key in np.unique(keys) if np.count_nonzero(keys == key) > 1]
     assert len(shared) > 5
     for key in shared:
         rows = np.flatnonzero(keys == key)
         best = rows[np.argmin(np.linalg.norm(around.points[rows] - middle[rows], axis=1))]
-        np.testing.assert_allclose(cells.point[key], around.points[best], atol=1e-6)
+        np.testing.assert_allclose(grid.point[key], around.points[best], atol=1e-6)
 
 
-def test_every_cells_normal_is_its_points(around, cells):
-    row = cKDTree(around.points.astype(np.float32)).query(cells.point[::97])[1]
-    np.testing.assert_array_equal(cells.normal[::97], around.normals[row].astype(np.float32))
+def test_the_normal_of_every_voxel_is_its_points(around, grid):
+    row = cKDTree(around.points.astype(np.float32)).query(grid.point[::97])[1]
+    np.testing.assert_array_equal(grid.normal[::97], around.normals[row].astype(np.float32))
 
 
-def test_the_lattice_is_a_cube_with_a_margin_in_single_precision(around, cells):
+def test_the_grid_is_a_cube_with_a_margin_in_single_precision(around, grid):
     low, high = around.points.min(axis=0), around.points.max(axis=0)
-    side = SIZE * float(cells.cell)
+    side = SIZE * float(grid.cell)
     assert side == pytest.approx((1 + 2 * MARGIN) * (high - low).max(), rel=1e-5)
-    np.testing.assert_allclose(cells.origin + side / 2, 0.5 * (low + high), atol=1e-5)
-    assert {leaf.dtype for leaf in cells} == {np.dtype(np.float32)}
-    assert cells.point.shape == cells.normal.shape == (SIZE**3, 3)
+    np.testing.assert_allclose(grid.origin + side / 2, 0.5 * (low + high), atol=1e-5)
+    assert {leaf.dtype for leaf in grid} == {np.dtype(np.float32)}
+    assert grid.point.shape == grid.normal.shape == (SIZE**3, 3)
 
 
-def test_without_a_viewpoint_only_the_rim_is_blamed_less(around, cells):
-    assert around.rim.any()
-    np.testing.assert_array_equal(np.unique(cells.blame), np.float32([BEYOND_RIM, 1.0]))
-    row = cKDTree(around.points.astype(np.float32)).query(cells.point)[1]
-    np.testing.assert_array_equal(cells.blame == 1.0, ~around.rim[row])
+def test_without_a_viewpoint_the_penalty_is_less_at_the_boundary_only(around, grid):
+    assert around.boundary.any()
+    np.testing.assert_array_equal(np.unique(grid.penalty), np.float32([BOUNDARY_PENALTY, 1.0]))
+    row = cKDTree(around.points.astype(np.float32)).query(grid.point)[1]
+    np.testing.assert_array_equal(grid.penalty == 1.0, ~around.boundary[row])
 
 
-def test_with_a_viewpoint_the_blame_is_what_it_saw_at_the_cells_middles(around, middles):
+def test_with_a_viewpoint_the_penalty_is_what_it_saw_at_the_voxels_middles(around, middles):
     seen = a_scan()
-    found = lattice(around, seen).blame
-    np.testing.assert_array_equal(found, seen.blame(middles).astype(np.float32))
+    found = grid_of(around, seen).penalty
+    np.testing.assert_array_equal(found, seen.penalty(middles).astype(np.float32))
     assert len(np.unique(found)) == 3
 
 
-def test_blame_is_looked_up_in_the_cell_a_point_is_in(around, middles, rng):
-    cells = lattice(around, a_scan())
-    np.testing.assert_array_equal(blame_at(cells, middles), cells.blame)
-    inside = middles + 0.45 * float(cells.cell) * rng.uniform(-1, 1, size=middles.shape)
-    np.testing.assert_array_equal(blame_at(cells, inside), cells.blame)
+def test_the_penalty_is_looked_up_in_the_voxel_that_a_point_is_in(around, middles, rng):
+    grid = grid_of(around, a_scan())
+    np.testing.assert_array_equal(penalty_at(grid, middles), grid.penalty)
+    inside = middles + 0.45 * float(grid.cell) * rng.uniform(-1, 1, size=middles.shape)
+    np.testing.assert_array_equal(penalty_at(grid, inside), grid.penalty)
 
 
-def test_points_outside_get_the_nearest_border_cell(around, middles, rng):
-    cells = lattice(around, a_scan())
+def test_points_outside_get_the_nearest_voxel_of_the_border(around, middles, rng):
+    grid = grid_of(around, a_scan())
     points = rng.uniform(-1, 1, size=(3_000, 3)) * 5
     low, high = middles.min(axis=0), middles.max(axis=0)
-    np.testing.assert_array_equal(blame_at(cells, points), blame_at(cells, np.clip(points, low, high)))
-    just_outside = middles[:1] - 0.9 * float(cells.cell)
-    assert blame_at(cells, just_outside) == cells.blame[0]
+    np.testing.assert_array_equal(penalty_at(grid, points), penalty_at(grid, np.clip(points, low, high)))
+    just_outside = middles[:1] - 0.9 * float(grid.cell)
+    assert penalty_at(grid, just_outside) == grid.penalty[0]
 
 
-def test_the_lattice_grows_and_moves_with_the_cloud(around, cells):
-    other = lattice(surface(4 * around.points + 10), None)
-    assert other.cell == pytest.approx(4 * cells.cell, rel=1e-5)
-    moved = 4 * cells.point + 10
+def test_the_grid_grows_and_moves_with_the_cloud(around, grid):
+    other = grid_of(estimate_surface(4 * around.points + 10), None)
+    assert other.cell == pytest.approx(4 * grid.cell, rel=1e-5)
+    moved = 4 * grid.point + 10
     assert np.mean(np.abs(other.point - moved).max(axis=1) < 1e-4) > 0.999
 
 
-def test_a_flat_cloud_has_a_lattice(rng):
+def test_a_flat_cloud_has_a_grid(rng):
     flat = np.c_[rng.uniform(size=(500, 2)), np.zeros(500)]
-    cells = lattice(surface(flat), None)
-    assert np.isfinite(cells.point).all()
-    assert (cells.point[:, 2] == 0).all()
+    grid = grid_of(estimate_surface(flat), None)
+    assert np.isfinite(grid.point).all()
+    assert (grid.point[:, 2] == 0).all()
