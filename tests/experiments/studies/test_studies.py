@@ -22,16 +22,16 @@ TINY = {
     "calibration": ["--conditions", "clean", "--data", "absent"],
     "completion": ["--kinds", "quadruped", "--num-points", "800", "--methods", "robust"],
     "coverage": ["--clouds", "2"],
-    "deviation": ["--trials", "2"],
+    "deviation": ["--trials", "1", "--num-pairs", "200"],
     "equivariance": ["--kinds", "1", "--methods", "robust"],
     "gradient": ["--fits", "fit_plane newton", "--num-pairs", "60"],
     "growth": ["--sizes", "300,600", "--methods", "pca,3dsymm-all"],
     "gte_sde": ONE_OBJECT,
-    "landscape": [],
+    "landscape": ["--num-pairs", "200"],
     "missing": ONE_OBJECT,
     "outliers": ONE_OBJECT,
     "partial_scans": ONE_OBJECT,
-    "planted": ["--trials", "2", "--exact-trials", "1"],
+    "planted": ["--trials", "1", "--exact-trials", "1", "--num-pairs", "200"],
     "precision_recall": ONE_OBJECT,
     "end_to_end": ["--kinds", "1", "--data", "absent"],
     "robustness": [
@@ -48,13 +48,16 @@ TINY = {
     ],
     "sphere": [],
     "success": ["--sizes", "100", "--seeds", "1", "--restarts", "4"],
-    "sym_hks_ablation": ["--choices", "starts", "--conditions", "out20 dropped", "--num-points", "600"],
+    "sym_hks_ablation": ["--choices", "signs (0: off)", "--conditions", "out20 dropped", "--num-points", "600"],
     "start_angle": [
         *("--angles", "0,60", "--kinds", "1", "--num-points", "800"),
         *("--conditions", "clean", "--outliers", "0.65"),
     ],
     "timing": ["--repeats", "1"],
 }
+SLOW = ("gradient", "planted", "self_scale", "speed_fit", "speed_objective", "speed_sweep", "success")
+"""Their fits compile for half a minute each."""
+
 CHECKS = ("checks", "transformations")
 DRAWN = (
     *("arena", "articulated", "completion", "deviation", "growth", "landscape", "missing"),
@@ -72,7 +75,7 @@ def test_every_study_is_run_here():
     assert {name for name in STUDIES if load(name).draw} == set(DRAWN)
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in TINY])
 def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
     assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), *TINY[name]]) == 0
     assert len(rows_of(tmp_path / f"{name}.csv")) >= 1
@@ -85,6 +88,7 @@ def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
     assert f"{name} (small)" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHECKS)
 def test_the_checks_meet_their_targets(name, tmp_path):
     assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), "--problems", "2"]) == 0
