@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from experiments.baselines.registry import ENTRIES, OURS
-from experiments.comparison.leaderboard import MEASURES, answered, tallies, title
+from experiments.comparison.leaderboard import MEASURES, prediction, tallies, title
 from experiments.data.corruptions import SWEPT
 from experiments.framework.tables import Row
 from experiments.metrics import ranked
@@ -34,7 +34,7 @@ def precision_recall(rows: Sequence[Row]) -> list[Row]:
         of_one = [row for row in rows if (row["benchmark"], row["method"]) == (benchmark, method)]
         points: list[tuple[str, float, float, float]] = []
         for name, most in (("score", None), ("best", 1)):
-            curve = ranked.curve([answered(row, most) for row in of_one])
+            curve = ranked.curve([prediction(row, most) for row in of_one])
             points += [(name, *point) for point in zip(*(column.tolist() for column in curve), strict=True)]
         for name, column in (("thresholds", "funk"), ("paper", "funk_paper")):
             points += [(name, t_a, at.precision, at.recall) for t_a, at in enumerate(tallies(of_one, column))]

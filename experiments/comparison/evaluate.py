@@ -9,9 +9,9 @@ from experiments.comparison.objects import DENSE, BenchmarkObject, benchmark_obj
 from experiments.data import corruptions
 from experiments.framework.tables import Row
 from experiments.metrics import funk
-from experiments.metrics.answered import Answered
 from experiments.metrics.deviation import deviation
 from experiments.metrics.gte import gte
+from experiments.metrics.prediction import Prediction
 from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
 from symjax import Detection
 
@@ -90,8 +90,8 @@ def _about(whole: BenchmarkObject) -> Row:
 
 def _scored(detection: Detection, whole: BenchmarkObject) -> Row:
     (ranking, is_held), case = ranked_planes(detection), whole.case
-    every = Answered(ranking, case)
-    held = Answered(Ranking(*(column[is_held] for column in ranking)), case)
+    every = Prediction(ranking, case)
+    held = Prediction(Ranking(*(column[is_held] for column in ranking)), case)
     off, error, best = deviation(ranking.plane(), case), gte(every), ranking.plane()
     seen = len(whole.dense) >= DENSE
     sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if seen else None

@@ -12,9 +12,9 @@ from experiments.comparison.tracks import TRACKS, tracks
 from experiments.data.cases import Case
 from experiments.framework.tables import Row
 from experiments.metrics import hits, ranked
-from experiments.metrics.answered import Answered
 from experiments.metrics.deviation import Deviation
 from experiments.metrics.matching import Tally, pooled
+from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
 
 DEGREES = 5
@@ -47,17 +47,17 @@ OTHERS = {
 """Further columns: hit rates at other angles, and the measures of other publications."""
 
 
-def answered(row: Row, most: int | None = None) -> Answered:
+def prediction(row: Row, most: int | None = None) -> Prediction:
     """The first planes, by default all, and the truths of a row; the case has the mean of its points in their place."""
     table = np.array(row["planes"], float).reshape(-1, 5)[:most]
     truths = tuple(Plane(np.array(t[:3]), np.asarray(t[3])) for t in row["truths"])
     case = Case(row["name"], row["group"], np.array([row["centre"]]), truths, row["diagonal"], row["seed"])
-    return Answered(Ranking(table[:, :3], table[:, 3], table[:, 4]), case)
+    return Prediction(Ranking(table[:, :3], table[:, 3], table[:, 4]), case)
 
 
-def held(row: Row) -> Answered:
+def held(row: Row) -> Prediction:
     """The planes of a row that the method takes for mirror planes, and its truths."""
-    every = answered(row)
+    every = prediction(row)
     kept = np.array(row["held"], bool)
     return every._replace(ranking=Ranking(*(column[kept] for column in every.ranking)))
 
@@ -112,7 +112,7 @@ def measures_of(rows: Sequence[Row]) -> Row:
 
 def best_f(rows: Sequence[Row], most: int | None = None) -> float:
     """The largest F along the curve of precision and recall, of so many planes a shape; 0 where nothing was right."""
-    curve = ranked.curve([answered(row, most) for row in rows])
+    curve = ranked.curve([prediction(row, most) for row in rows])
     both = curve.precision + curve.recall
     return float((2 * curve.precision * curve.recall / np.where(both > 0, both, 1)).max(initial=0.0))
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from experiments.comparison.measure import Measure
 from experiments.framework.tables import Row
 from experiments.metrics import e3sym, shrec
-from experiments.metrics.answered import Answered
+from experiments.metrics.prediction import Prediction
 
 TRACKS = {
     "PHC": Measure("PHC: best plane within 1° and 1 %"),
@@ -17,7 +17,7 @@ TRACKS = {
 """Columns."""
 
 
-def tracks(all_held: Sequence[Answered]) -> Row:
+def tracks(all_held: Sequence[Prediction]) -> Row:
     """The measures of one method's answers."""
     phc, of_hits, of_truths = shrec.scores(all_held)
     coarse = e3sym.f_score(all_held, e3sym.COARSE)

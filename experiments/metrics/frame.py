@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.data.cases import Case
-from experiments.metrics.answered import Vectors
+from experiments.metrics.prediction import Vectors
 
 
 class Frame(NamedTuple):

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.metrics import matching
-from experiments.metrics.answered import Answered
 from experiments.metrics.matching import Tally, pooled
 from experiments.metrics.patch import Patches, bounding
+from experiments.metrics.prediction import Prediction
 from symjax.geometry.directions import deviation_angle
 
 LARGEST_ANGLE = 45.0
@@ -34,25 +34,25 @@ class Compared(NamedTuple):
     truths: Patches
 
 
-def compared(answered: Answered, truths: Patches | None = None) -> Compared:
+def compared(prediction: Prediction, truths: Patches | None = None) -> Compared:
     """Rectangles of a case, bounding its whole cloud.
 
     Args:
-        answered: the case and its answers.
+        prediction: the case and its answers.
         truths: rectangles of the truths, from a file; by default they bound the cloud as those of the answers do.
     """
-    points = answered.case.points
-    return Compared(bounding(answered.answers, points), truths or bounding(answered.truths, points))
+    points = prediction.case.points
+    return Compared(bounding(prediction.answers, points), truths or bounding(prediction.truths, points))
 
 
-def as_in_the_paper(answered: Answered) -> Compared:
+def as_in_the_paper(prediction: Prediction) -> Compared:
     """The best answer and the truth nearest to it, both centred at the mean of the cloud."""
-    answers, truths = compared(answered)
+    answers, truths = compared(prediction)
     best = slice(0, 1)
     if len(answers.sides) and len(truths.sides):
         nearest = int(np.argmin(deviation_angle(truths.normals, answers.normals[0])))
         truths = Patches(*(column[nearest : nearest + 1] for column in truths))
-    centre = answered.case.points.mean(axis=0)
+    centre = prediction.case.points.mean(axis=0)
     one_each = (Patches(*(column[best] for column in patches)) for patches in (answers, truths))
     return Compared(*(patches._replace(centres=np.tile(centre, (len(patches.sides), 1))) for patches in one_each))
 

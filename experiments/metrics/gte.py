@@ -8,8 +8,8 @@ fit the square, so both are given.
 from typing import NamedTuple
 
 from experiments.baselines.ranking import plane_distance
-from experiments.metrics.answered import Answered
 from experiments.metrics.frame import Frame, frame_of
+from experiments.metrics.prediction import Prediction
 from symjax.errors import InvalidArgumentError
 
 
@@ -25,21 +25,21 @@ class GroundTruthError(NamedTuple):
     plain: float
 
 
-def gte(answered: Answered, frame: Frame | None = None) -> GroundTruthError:
+def gte(prediction: Prediction, frame: Frame | None = None) -> GroundTruthError:
     """GTE of the best answer of a case: the least over its truths.
 
     That the best answer alone is scored is our choice: which planes the published means run over is not known.
 
     Args:
-        answered: at least one answer and one truth.
+        prediction: at least one answer and one truth.
         frame: where offsets are compared; by default `frame_of` the case.
 
     Raises:
         InvalidArgumentError: no answer, or no truth.
     """
-    frame = frame_of(answered.case) if frame is None else frame
-    if not len(answered.ranking.offsets) or not answered.case.planes:
-        raise InvalidArgumentError(f"GTE of {answered.case.name!r}: an answer and a truth are needed")
-    normals, offsets = frame.of(answered.answers)
-    plain = float(plane_distance(*frame.of(answered.truths), normals[0], offsets[0]).min())
+    frame = frame_of(prediction.case) if frame is None else frame
+    if not len(prediction.ranking.offsets) or not prediction.case.planes:
+        raise InvalidArgumentError(f"GTE of {prediction.case.name!r}: an answer and a truth are needed")
+    normals, offsets = frame.of(prediction.answers)
+    plain = float(plane_distance(*frame.of(prediction.truths), normals[0], offsets[0]).min())
     return GroundTruthError(plain**2, plain)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from experiments.metrics.answered import Vectors
+from experiments.metrics.prediction import Vectors
 
 
 class Patches(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from experiments.metrics import matching
-from experiments.metrics.answered import Answered
+from experiments.metrics.prediction import Prediction
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
@@ -28,11 +28,11 @@ class Curve(NamedTuple):
     recall: Float[np.ndarray, "m"]
 
 
-def curve(answered: Sequence[Answered]) -> Curve:
-    """The curve over all shapes, counts pooled; empty where nothing was answered."""
-    scores = np.concatenate([np.empty(0), *(one.ranking.scores for one in answered)])
-    right = np.concatenate([np.empty(0, bool), *(_right(one) for one in answered)])
-    num_truths = sum(len(one.case.planes) for one in answered)
+def curve(predictions: Sequence[Prediction]) -> Curve:
+    """The curve over all shapes, counts pooled; empty where nothing was predicted."""
+    scores = np.concatenate([np.empty(0), *(one.ranking.scores for one in predictions)])
+    right = np.concatenate([np.empty(0, bool), *(_right(one) for one in predictions)])
+    num_truths = sum(len(one.case.planes) for one in predictions)
     order = np.argsort(-scores, kind="stable")
     hits, scores = np.cumsum(right[order]), scores[order]
     # ties come in or stay out together: their order must not matter
@@ -40,9 +40,9 @@ def curve(answered: Sequence[Answered]) -> Curve:
     return Curve(scores[last], hits[last] / (last + 1), hits[last] / max(num_truths, 1))
 
 
-def _right(answered: Answered) -> Bool[np.ndarray, "k"]:
+def _right(prediction: Prediction) -> Bool[np.ndarray, "k"]:
     """Which answers are matched to a truth, one to one, best first, the nearest in angle."""
-    answers, case = Plane(*answered.answers), answered.case
+    answers, case = Plane(*prediction.answers), prediction.case
     cost = np.full((len(answers.offset), len(case.planes)), np.inf)
     for t, truth in enumerate(case.planes):
         angle = np.asarray(deviation_angle(answers.normal, truth.normal))

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from experiments.metrics import matching
-from experiments.metrics.answered import Answered
+from experiments.metrics.prediction import Prediction
 from symjax.errors import InvalidArgumentError
 
 COSINE = 1 - np.cos(np.radians(1.0))
@@ -38,32 +38,32 @@ class Scores(NamedTuple):
     map_of_truths: float
 
 
-def hits(answered: Answered) -> Bool[np.ndarray, "k"]:
+def hits(prediction: Prediction) -> Bool[np.ndarray, "k"]:
     """Which answers match a truth, best first.
 
     The point of an answer is the foot of the mean of the points on its plane: the track's answers are (normal, point),
     ours have no point, and up to 1° from the truth the choice moves δ.
     """
-    normals, offsets = answered.answers
-    true_normals, true_offsets = answered.truths
-    centre = answered.case.points.mean(axis=0)
+    normals, offsets = prediction.answers
+    true_normals, true_offsets = prediction.truths
+    centre = prediction.case.points.mean(axis=0)
     feet = centre - (normals @ centre - offsets)[:, None] * normals
     angle = 1 - np.abs(normals @ true_normals.T)
-    distance = np.abs(feet @ true_normals.T - true_offsets) / answered.case.diagonal
+    distance = np.abs(feet @ true_normals.T - true_offsets) / prediction.case.diagonal
     matched = (angle <= COSINE) & (distance <= DISTANCE)
     return matching.by_rank(np.where(matched, angle + distance, np.inf)) >= 0
 
 
-def scores(answered: Sequence[Answered]) -> Scores:
+def scores(predictions: Sequence[Prediction]) -> Scores:
     """The figures over all shapes; one without an answer, or without a hit, counts as 0.
 
     Raises:
         InvalidArgumentError: there are no shapes.
     """
-    if not answered:
+    if not predictions:
         raise InvalidArgumentError("PHC and mAP of no shapes at all: give at least one")
     rows = []
-    for one in answered:
+    for one in predictions:
         hit = hits(one)
         precision = np.cumsum(hit) / np.arange(1, len(hit) + 1)
         total = float(precision[hit].sum())

@@ -10,11 +10,11 @@ pytest.importorskip("psutil", reason="the runner needs the extra `arena`")
 from experiments.baselines.kazhdan import Kazhdan
 from experiments.comparison import published
 from experiments.comparison.curves import precision_recall
-from experiments.comparison.leaderboard import answered, best_f, leaderboard, measures_of, pivot, tallies
+from experiments.comparison.leaderboard import best_f, leaderboard, measures_of, pivot, prediction, tallies
 from experiments.comparison.tracks import TRACKS
 from experiments.data.cases import made
 from experiments.metrics import ranked
-from experiments.metrics.answered import Answered
+from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
 from tests.experiments.comparison.rows import row, silent
 
@@ -32,7 +32,7 @@ def test_a_row_scores_as_the_case_that_it_is_of(boat):
         centre=boat.points.mean(axis=0).tolist(),
         diagonal=boat.diagonal,
     )
-    for ours, theirs in zip(ranked.curve([answered(told)]), ranked.curve([Answered(ranking, boat)]), strict=True):
+    for ours, theirs in zip(ranked.curve([prediction(told)]), ranked.curve([Prediction(ranking, boat)]), strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -112,5 +112,5 @@ def test_what_is_printed_stands_beside_what_is_measured():
 
 
 def test_truths_of_a_row_are_planes():
-    plane = answered(row()).case.planes[0]
+    plane = prediction(row()).case.planes[0]
     assert plane.angle(Plane(np.array([1.0, 0.0, 0.0]), np.asarray(0.0))) == 0

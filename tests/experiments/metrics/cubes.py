@@ -4,7 +4,7 @@ import numpy as np
 
 from experiments.baselines.ranking import Ranking
 from experiments.data.cases import Case
-from experiments.metrics.answered import Answered
+from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
 from symjax.io.mesh import Mesh
 
@@ -31,8 +31,8 @@ def cube(*truths, name="cube"):
     return Case(name, "test", CUBE, truths or (tilted(0.0),), np.sqrt(3.0))
 
 
-def answered(answers, truths=()):
-    return Answered(ranking(*answers), cube(*truths))
+def prediction(answers, truths=()):
+    return Prediction(ranking(*answers), cube(*truths))
 
 
 def moved(one, rng):
@@ -42,4 +42,4 @@ def moved(one, rng):
     posed = Ranking(normals, scale * one.ranking.offsets + normals @ shift, one.ranking.scores)
     planes = tuple(Plane(turn @ n, scale * w + turn @ n @ shift) for n, w in one.case.planes)
     points = scale * one.case.points @ turn.T + shift
-    return Answered(posed, one.case._replace(points=points, planes=planes, diagonal=scale * one.case.diagonal))
+    return Prediction(posed, one.case._replace(points=points, planes=planes, diagonal=scale * one.case.diagonal))

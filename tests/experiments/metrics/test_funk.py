@@ -5,26 +5,26 @@ import pytest
 
 from experiments.metrics import funk, patch, ranked
 from experiments.metrics.matching import Tally
-from tests.experiments.metrics.cubes import answered, tilted
+from tests.experiments.metrics.cubes import prediction, tilted
 
 
 def test_funk_counts_several_planes_one_to_one():
     truths = (tilted(0.0), tilted(90.0))
-    shapes = [funk.compared(answered([tilted(1.0), tilted(2.0), tilted(91.0)], truths))]
+    shapes = [funk.compared(prediction([tilted(1.0), tilted(2.0), tilted(91.0)], truths))]
     assert funk.tally(shapes, 5.0, 0.5) == Tally(2, 3, 2)
     assert funk.tally(shapes, 1.5, 0.5) == Tally(2, 3, 2)
     assert funk.tally(shapes, 0.5, 0.5) == Tally(0, 3, 2)
 
 
 def test_funk_distance_is_in_shorter_sides():
-    shapes = [funk.compared(answered([tilted(0.0, 0.3)]))]
+    shapes = [funk.compared(prediction([tilted(0.0, 0.3)]))]
     assert funk.tally(shapes, 5.0, 0.31) == Tally(1, 1, 1)
     assert funk.tally(shapes, 5.0, 0.29) == Tally(0, 1, 1)
 
 
 def test_funk_takes_rectangles_of_a_file():
     corners = np.array([[[0, -0.2, -0.2], [0, -0.2, 0.2], [0, 0.2, -0.2]]])
-    shape = funk.compared(answered([tilted(0.0, 0.3)]), patch.from_corners(corners))
+    shape = funk.compared(prediction([tilted(0.0, 0.3)]), patch.from_corners(corners))
     assert funk.tally([shape], 5.0, 0.76).hits == 1
     assert funk.tally([shape], 5.0, 0.74).hits == 0
 
@@ -32,27 +32,27 @@ def test_funk_takes_rectangles_of_a_file():
 def test_funk_as_in_the_paper_is_the_share_within_the_angle_and_its_distance_never_fails(rng):
     angles = rng.uniform(0, 60, 40)
     # far from the cloud, with more answers and truths than one: neither is seen
-    all_answered = [answered([tilted(a, 5.0), tilted(0.0)], (tilted(0.0), tilted(90.0))) for a in angles]
+    all_answered = [prediction([tilted(a, 5.0), tilted(0.0)], (tilted(0.0), tilted(90.0))) for a in angles]
     shapes = [funk.as_in_the_paper(one) for one in all_answered]
     nearest = np.minimum(angles, 90 - angles)
     for degrees in (1.0, 5.0, 20.0, 45.0):
         tally = funk.tally(shapes, degrees, 1e-9)
         assert tally.precision == tally.recall == tally.f == (nearest < degrees).mean()
-    assert funk.tally([funk.as_in_the_paper(answered([]))], 5.0, 1.0) == Tally(0, 0, 1)
+    assert funk.tally([funk.as_in_the_paper(prediction([]))], 5.0, 1.0) == Tally(0, 0, 1)
 
 
 def test_the_curve_of_funk_rises_from_nothing_to_all():
-    shapes = [funk.compared(answered([tilted(a)])) for a in (0.0, 3.0, 12.0)]
+    shapes = [funk.compared(prediction([tilted(a)])) for a in (0.0, 3.0, 12.0)]
     curve = funk.curve(shapes)
     assert [tally.hits for tally in curve] == sorted(tally.hits for tally in curve)
     assert (curve[0].f, curve[-1].f) == (0.0, 1.0)
 
 
 def test_the_curve_over_scores_counts_ties_together():
-    good, bad = answered([tilted(0.0)]), answered([tilted(30.0)])
-    curve = ranked.curve([good, bad, answered([])])
+    good, bad = prediction([tilted(0.0)]), prediction([tilted(30.0)])
+    curve = ranked.curve([good, bad, prediction([])])
     assert (curve.scores.tolist(), curve.precision.tolist()) == ([1.0], [0.5])
     assert curve.recall == pytest.approx([1 / 3])
     sure = good._replace(ranking=good.ranking._replace(scores=np.array([2.0])))
     assert ranked.curve([bad, sure]).precision.tolist() == [1.0, 0.5]
-    assert ranked.curve([answered([])]).scores.size == 0
+    assert ranked.curve([prediction([])]).scores.size == 0

@@ -1,4 +1,4 @@
-"""What every metric scores: the planes that a method proposes, beside the case that they were proposed for."""
+"""What every metric scores: the planes that a method predicts, and the case that they are for."""
 
 from typing import NamedTuple
 
@@ -12,11 +12,11 @@ Vectors = tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"]]
 """Unit normals and offsets."""
 
 
-class Answered(NamedTuple):
-    """A case and the answer to it.
+class Prediction(NamedTuple):
+    """A case and the planes predicted for it.
 
     Attributes:
-        ranking: the proposed planes, best first; none where the method gave up.
+        ranking: the predicted planes, best first; none where the method gave up.
         case: the object, whole: its points and right planes in one frame.
     """
 
@@ -25,7 +25,7 @@ class Answered(NamedTuple):
 
     @property
     def answers(self) -> Vectors:
-        """The proposed planes, best first."""
+        """The predicted planes, best first."""
         return self.ranking.normals, self.ranking.offsets
 
     @property
