@@ -20,6 +20,7 @@ from experiments.data.descriptions import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
+from experiments.metrics.deviation import deviation
 from symjax.robust.method import Robust
 
 SHARES = {"right": "right answers", "right plane": "right planes"}
