@@ -46,15 +46,15 @@ class Detection:
         symmetry: "none", "one plane", "several planes", "axis" or "sphere".
         axis: point and direction of the axis of a continuous symmetry, or None.
         planes: the mirror planes, the best first: none, one, or several; of a continuous symmetry, some of them.
-        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, support over support and blame of the
-            mirrored points; by `sym-hks`, mean L2E weight of the pairs.
+        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, the agreement of the mirrored points
+            over agreement and non-match penalty, weighted; by `sym-hks`, mean L2E weight of the pairs.
         threshold: what the score must exceed, from what other planes reach on the same cloud; None for a method that
             has no threshold. `sym-hks` also needs the solver to converge: `found` is false where `converged` is.
         candidates: distinct planes, best first; the first is `plane`.
         uncertainty: standard errors of normal and offset with their covariance, or None where the method has none.
         pairs: the matched points.
         exactness: by `robust`, the score where only mirror images that lie as close to the surface as its own points do
-            count as support: 0.5 to 1 for an exact symmetry, near 0 for a rough one. None by `sym-hks`.
+            agree: 0.5 to 1 for an exact symmetry, near 0 for a rough one. None by `sym-hks`.
         inlier_weight: weight from which a pair counts as an inlier.
         inlier_fraction: share of the pairs that are inliers; None for a method without pairs.
         converged: whether the solver converged.

@@ -38,12 +38,13 @@ class Robust:
             for a plane nor against it. 1 is the penalty inside the surface.
         use_normals: whether mirror images must agree with the surface's normals, in registration and scores: beside a
             surface, and across thin parts, the nearest point has another normal.
-        num_pair_hypotheses: most hypotheses from pairs of points whose normals are like mirrored: among 1024 the true
-            plane is likely even where a tenth of the pairs agree. 0 leaves them out.
-        register: whether hypotheses are moved to the optimum of the L2E criterion before they are compared: they are
-            up to 7° and 0.02 diagonals away from the plane that they stand for.
-        exact_scoring: whether candidates are ranked by the scores with exact neighbours, which tell planes apart that
-            are within a voxel of each other; if not, by those of the voxel grid.
+        num_pair_hypotheses: most hypotheses from pairs of points; 0 for none. On 36 generated clouds (whole, noisy, and
+            cut among outliers) at least 1 of 1024, and 17 on the median, was within 8° and 0.03 diagonals of the true
+            plane, from where the registration reaches it.
+        register: whether hypotheses are moved to the optimum of the L2E criterion before they are compared: those of
+            even directions are 7° and 0.04 diagonals apart.
+        exact_scoring: whether candidates are ranked by scores with exact neighbours; if not, by those of the voxel
+            grid, whose neighbours are off by up to a voxel's diagonal.
         max_refined: most candidates that are refined: a cube has nine planes.
         refine_above: share of the best candidate's score above which another one is refined too: it may be another
             mirror plane.
