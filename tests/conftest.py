@@ -11,17 +11,32 @@ MOST_MAPS = 30_000
 """Memory maps at which compiled programs are dropped: each has some ten, Linux allows 65 530, and the compiler crashes
 where it gets no more."""
 
-SHARED = Path(__file__).resolve().parents[2] / "shared"
+TESTS = Path(__file__).resolve().parent
+SHARED = TESTS.parents[1] / "shared"
+
+CORE = ("architecture", "cli/test_detect.py", "cli/test_main.py", "helpers")
+CORE_PACKAGES = ("datasets", "detection", "geometry", "io", "preprocess", "viz")
+"""Tests and packages that compile little or nothing: with those marked `any_precision` they are the core."""
 
 
 def pytest_addoption(parser):
-    parser.addoption("--default-flags", action="store_true", help="leave JAX's flags alone (use with -m core)")
+    parser.addoption("--default-flags", action="store_true", help="leave JAX's flags alone (with -m any_precision)")
 
 
 def pytest_configure(config):
     jax.config.update("jax_numpy_rank_promotion", "raise")
     if not config.getoption("--default-flags"):
         jax.config.update("jax_enable_x64", True)
+
+
+def pytest_collection_modifyitems(items):
+    folders = [*(TESTS / name for name in CORE), *(TESTS / "unit" / name for name in CORE_PACKAGES)]
+    for item in items:
+        quick = item.get_closest_marker("any_precision") or any(item.path.is_relative_to(folder) for folder in folders)
+        if quick and not item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.core)
+        if "models" in item.fixturenames:
+            item.add_marker(pytest.mark.models)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -80,3 +80,11 @@ def test_originals_are_what_the_registry_says(models, site, monkeypatch):
         model = datasets.load(name, num_samples=1000)
         beside = models / f"{name}{model.path.suffix}"
         np.testing.assert_array_equal(model.points, read_points(beside, num_samples=1000).points)
+
+
+@pytest.mark.network
+@pytest.mark.parametrize("name", list(MODELS))
+def test_the_publisher_still_has_the_original(name):
+    model = datasets.load(name)
+    assert len(model.points)
+    assert model.path.is_file()
