@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from symjax.geometry.plane import Plane
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status, sentences
 
 if TYPE_CHECKING:
     import xarray
@@ -20,7 +20,7 @@ class Fit(NamedTuple):
     Attributes:
         plane: the plane, of canonical sign, in the units of the points.
         loss: the criterion at the plane: `l2e_loss`, or where σ was estimated that of `sigma="auto"`; length⁻³.
-        result: how the solve ended, a member of `symjax.l2e.status.RESULTS`.
+        status: how the solve ended, the number of a member of `symjax.l2e.status.Status`.
         num_steps: steps of the solver, or rounds of the alternating one.
         grad_norm: norm of the Riemannian gradient of ψ (`scaled_log_loss`), the points scaled to unit radius:
             what `tol` bounds.
@@ -31,7 +31,7 @@ class Fit(NamedTuple):
 
     plane: Plane
     loss: Float[Array, "*batch"]
-    result: RESULTS
+    status: Int[Array, "*batch"]
     num_steps: Int[Array, "*batch"]
     grad_norm: Float[Array, "*batch"]
     sigma: Float[Array, "*batch"]
@@ -41,13 +41,12 @@ class Fit(NamedTuple):
     @property
     def converged(self) -> Bool[Array, "*batch"]:
         """Whether the gradient is within tol and some pair supports the plane."""
-        code, success = jax.tree.leaves(self.result)[0], jax.tree.leaves(RESULTS.successful)[0]
-        return jnp.asarray(code == success)
+        return self.status == Status.SUCCESSFUL.value
 
     @property
     def message(self) -> str | np.ndarray:
         """How the solve ended, a sentence; of a batch, an array of sentences. Not under a trace."""
-        return sentence(self.result)
+        return sentences(np.asarray(self.status))
 
     def to_xarray(self) -> "xarray.Dataset":
         """The fits of a sweep as a labelled dataset: dimensions cloud (of `sweep_clouds`), sigma and restart.

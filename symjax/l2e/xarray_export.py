@@ -3,13 +3,12 @@
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
 from symjax import __version__
 from symjax.errors import InvalidArgumentError
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status
 
 if TYPE_CHECKING:
     import xarray
@@ -18,9 +17,6 @@ if TYPE_CHECKING:
 
 DIMENSIONS = ("cloud", "sigma", "restart")
 """Those of `sweep_clouds`; `sweep` has no clouds."""
-
-STATUSES = ("successful", "max_steps_reached", "stalled", "flat", "nonfinite", "unsupported")
-"""The members of `RESULTS`."""
 
 ULPS = 64
 """σ is scaled and scaled back for every cloud: values this near, in units of rounding, are one σ."""
@@ -75,7 +71,7 @@ def dataset(fit: "Fit") -> "xarray.Dataset":
             for name, (meaning, units) in _MEANING.items()
         },
         "converged": (lanes, np.asarray(fit.converged), {"long_name": "whether the solver converged"}),
-        "status": (lanes, _codes(fit.result), _flags()),
+        "status": (lanes, np.asarray(fit.status).astype(np.int8), _flags()),
     }
     coordinates: dict[str, Any] = {name: np.arange(size) for name, size in zip(lanes, shape, strict=True)}
     del coordinates["sigma"]
@@ -84,18 +80,13 @@ def dataset(fit: "Fit") -> "xarray.Dataset":
     return xarray.Dataset(variables, coordinates | _scales(np.asarray(fit.sigma)), attributes)
 
 
-def _codes(result: RESULTS) -> np.ndarray:
-    return np.asarray(jax.tree.leaves(result)[0]).astype(np.int8)
-
-
 def _flags() -> dict[str, Any]:
     """What the numbers of `status` mean, as the CF conventions write it, and in sentences."""
-    members = [getattr(RESULTS, name) for name in STATUSES]
     return {
         "long_name": "how the solve ended",
-        "flag_values": np.array([_codes(member) for member in members]),
-        "flag_meanings": " ".join(STATUSES),
-        "comment": "\n".join(f"{name}: {sentence(member)}" for name, member in zip(STATUSES, members, strict=True)),
+        "flag_values": np.array(list(Status), np.int8),
+        "flag_meanings": " ".join(member.name.lower() for member in Status),
+        "comment": "\n".join(f"{member.name.lower()}: {member.sentence}" for member in Status),
     }
 
 

@@ -14,7 +14,7 @@ from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
 from symjax.l2e.pairs.normalized import Problem
 from symjax.l2e.solvers.base import Minimum
-from symjax.l2e.status import RESULTS
+from symjax.l2e.status import Status
 
 FRACTION = 2**1.5
 """ρ̂ over the mean weight: that of an inlier is E exp(−‖r‖²/2σ²) = 2^{−3/2}, that of an outlier almost 0."""
@@ -54,7 +54,7 @@ def answered(problem: Problem, sigma: Float[Array, ""], minimum: Minimum) -> Fit
     return Fit(
         plane=given_plane(z[:3], z[3], problem),
         loss=loss / radius**3,
-        result=RESULTS.where(flat, RESULTS.flat, minimum.result),
+        status=jnp.where(flat, jnp.int32(Status.FLAT), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
         sigma=sigma * radius,

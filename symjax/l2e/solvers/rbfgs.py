@@ -112,8 +112,8 @@ def riemannian_bfgs(
 
     def finish(state: State) -> Minimum:
         grad_norm = norm(state.g_k)
-        result = ending(grad_norm, tol, state.f_k, state.stalled)
-        return Minimum(state.z_k, state.f_k, grad_norm, state.k, result)
+        status = ending(grad_norm, tol, state.f_k, state.stalled)
+        return Minimum(state.z_k, state.f_k, grad_norm, state.k, status)
 
     return Solver(init, cond_fun, body_fun, finish)
 
@@ -122,6 +122,6 @@ def riemannian_bfgs(
 def minimize(fun: Callable[[Float[Array, "d"]], Float[Array, ""]], z0: Float[Array, "d"], **options: Any) -> Minimum:
     """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
 
-    Never raises under a trace: read `result`.
+    Never raises under a trace: read `status`.
     """
     return solve(riemannian_bfgs(fun, **options), z0)

@@ -21,7 +21,7 @@ from symjax.l2e.pairs.unscale import FRACTION, given_plane
 from symjax.l2e.solvers.base import Limits, Minimum, solve
 from symjax.l2e.solvers.newton import newton
 from symjax.l2e.starts.hypotheses import Hypotheses, screened
-from symjax.l2e.status import RESULTS
+from symjax.l2e.status import Status
 
 GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
 """Scales that the search begins with, in radii."""
@@ -110,11 +110,11 @@ def answered_with_scale(problem: Problem, minimum: Minimum) -> Fit:
     share = jnp.exp(1.5 * z[4] - value)
     loss = -((share / (2 * math.pi * sigma**2) ** 1.5) ** 2) * (4 * math.pi * sigma**2) ** 1.5
     support = FRACTION * share * jnp.sum(weights > 0)
-    lacking = (minimum.result == RESULTS.successful) & (support < LEAST_SUPPORT)
+    lacking = (minimum.status == Status.SUCCESSFUL.value) & (support < LEAST_SUPPORT)
     return Fit(
         plane=given_plane(z[:3], z[3], problem),
         loss=loss / radius**3,
-        result=RESULTS.where(lacking, RESULTS.unsupported, minimum.result),
+        status=jnp.where(lacking, jnp.int32(Status.UNSUPPORTED), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
         sigma=sigma * radius,

@@ -15,7 +15,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.manifolds import fibonacci
 from symjax.l2e.solvers.base import Minimum, Solver, ending, solve
 from symjax.l2e.solvers.batched import solve_lanes
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status
 from symjax.l2e.sweep import sweep
 
 MAX_STEPS = 90
@@ -67,7 +67,7 @@ def test_lanes_are_the_solves_one_by_one(num):
         assert_same(together(factor[order], starts[order]), expected, rtol=0)
         if num > 100:
             assert len(np.unique(expected.num_steps)) > 5
-            assert len(np.unique(sentence(expected.result))) == 3
+            assert len(np.unique(expected.status)) == 3
             assert expected.num_steps.max() == MAX_STEPS
 
 
@@ -156,5 +156,5 @@ def test_several_devices_give_what_one_gives(many, tmp_path):
 
 def test_lanes_that_run_out_of_steps_say_so():
     found = together(jnp.asarray([0.99, 0.01, 0.99]), jnp.ones((3, 2)))
-    expected = [RESULTS.max_steps_reached, RESULTS.successful, RESULTS.max_steps_reached]
-    assert sentence(found.result).tolist() == [sentence(result) for result in expected]
+    expected = [Status.MAX_STEPS_REACHED, Status.SUCCESSFUL, Status.MAX_STEPS_REACHED]
+    assert found.status.tolist() == expected

@@ -14,7 +14,7 @@ from symjax.l2e.fit_plane import fit_plane
 from symjax.l2e.manifolds import random_points
 from symjax.l2e.solvers.base import Limits, solve
 from symjax.l2e.solvers.registry import SOLVERS
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status
 
 NUM, LANES, TOL = 1000, 32, 1e-8
 
@@ -36,7 +36,7 @@ def compiled(x, y, sigma, starts, tol, max_steps, name):
 
 
 def ended(found, how):
-    return (sentence(found.result) == sentence(how)).all()
+    return (found.status == how).all()
 
 
 def planted(seed, outliers):
@@ -74,7 +74,7 @@ def test_every_solver_reaches_the_same_optimum(half, name):
     starts = near(p, angle=0.08)
     expected, _ = solved(x, y, 0.05, starts, tol=1e-12)
     found, _ = solved(x, y, 0.05, starts, tol=REACHED[name], name=name)
-    assert ended(found, RESULTS.successful)
+    assert ended(found, Status.SUCCESSFUL)
     assert (found.grad_norm <= REACHED[name]).all()
     np.testing.assert_allclose(found.point, expected.point, atol=5 * REACHED[name])
     np.testing.assert_allclose(found.value, expected.value, atol=1e-12)
@@ -86,7 +86,7 @@ def test_few_steps_from_local_starts(sigma):
     for seed in range(3):
         p, x, y = planted(seed, 0.5)
         found, _ = solved(x, y, sigma, near(p, seed))
-        assert ended(found, RESULTS.successful)
+        assert ended(found, Status.SUCCESSFUL)
         steps.append(found.num_steps)
     assert np.median(steps) <= 6
 
@@ -97,7 +97,7 @@ def test_few_steps_from_anywhere_to_a_minimum(sigma):
     for seed in range(3):
         p, x, y = planted(seed, 0.8)
         found, curvatures = solved(x, y, sigma, anywhere(p, seed))
-        assert ended(found, RESULTS.successful)
+        assert ended(found, Status.SUCCESSFUL)
         assert curvatures.min() > -1e-6  # no saddle
         steps.append(found.num_steps)
     assert np.mean(steps) <= 15
@@ -138,7 +138,7 @@ def test_a_saddle_is_left_at_once(box, sigma, name):
     assert (before.grad_norm < 1e-4).all()
     assert (curvatures.min(axis=1) < -0.1).all()
     found, curvatures = solved(x, y, sigma, starts, name=name)
-    assert ended(found, RESULTS.successful)
+    assert ended(found, Status.SUCCESSFUL)
     assert (curvatures > 0).all()
     np.testing.assert_allclose(np.abs(found.point), np.tile([0, 0, 1, 0], (LANES, 1)), atol=1e-9)
     assert found.num_steps.max() <= 3
@@ -149,13 +149,13 @@ def test_how_a_solve_ends_is_said(half, name):
     p, x, y = half
     starts = near(p)
     found, _ = solved(x, y, 0.05, starts, max_steps=1, name=name)
-    assert ended(found, RESULTS.max_steps_reached)
+    assert ended(found, Status.MAX_STEPS_REACHED)
     assert (found.num_steps == 1).all()
     for sigma, where in ((jnp.nan, starts), (0.05, starts.at[:, 3].set(jnp.nan))):
-        assert ended(solved(x, y, sigma, where, name=name)[0], RESULTS.nonfinite)
+        assert ended(solved(x, y, sigma, where, name=name)[0], Status.NONFINITE)
     # no gradient is below a negative tolerance
     found, _ = solved(x, y, 0.05, starts, tol=-1.0, max_steps=30, name=name)
-    assert not (sentence(found.result) == sentence(RESULTS.successful)).any()
+    assert not (found.status == Status.SUCCESSFUL).any()
     assert np.median(found.grad_norm) <= REACHED[name]
 
 
@@ -163,7 +163,7 @@ def test_how_a_solve_ends_is_said(half, name):
 def test_a_solve_below_rounding_stalls(half, name):
     p, x, y = half
     found, _ = solved(x, y, 0.05, near(p), tol=-1.0, name=name)
-    assert ended(found, RESULTS.stalled)
+    assert ended(found, Status.STALLED)
     assert found.num_steps.max() < 100
 
 
@@ -173,7 +173,7 @@ def test_float32_converges_from_anywhere():
     starts = jnp.asarray(anywhere(p, 2), jnp.float32)
     found, _ = solved(x.astype(jnp.float32), y.astype(jnp.float32), jnp.float32(0.1), starts, jnp.float32(2e-5))
     assert found.point.dtype == found.value.dtype == jnp.float32
-    assert ended(found, RESULTS.successful)
+    assert ended(found, Status.SUCCESSFUL)
 
 
 def test_a_plane_that_no_pair_supports_is_flat():
@@ -183,5 +183,5 @@ def test_a_plane_that_no_pair_supports_is_flat():
     x[:, 0] = np.linspace(-1, 1, 60)
     fit = fit_plane(x, x * [1.0, 1.0, -1.0], 0.005, np.array([1.0, 0.0, 0.0]), solver="mm")
     assert not fit.converged
-    assert fit.message == sentence(RESULTS.flat)
+    assert fit.message == Status.FLAT.sentence
     assert fit.inlier_fraction == 0
