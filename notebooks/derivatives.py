@@ -155,7 +155,7 @@ def confidence(model, features):
 def mean_error(model, sigma, training):
     def error(x, y, features, _, normal):
         weights = confidence(model, features)
-        plane = symjax.fit_global(x, y, sigma, weights=weights, num_hypotheses=64, num_polished=4).plane
+        plane = symjax.fit_global(x, y, sigma, weights=weights, num_hypotheses=64, num_refined=4).plane
         return jnp.sum(jnp.cross(plane.normal, normal) ** 2) + plane.offset**2
 
     errors = jax.vmap(error)(*training)

@@ -9,7 +9,8 @@ from jaxtyping import Float, Int
 
 from symjax.geometry.plane import Plane
 from symjax.l2e.fit import Fit, best
-from symjax.l2e.fit_plane import MAX_STEPS, fit_global
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.solvers.registry import MAX_STEPS
 from symjax.l2e.starts.initialization import NORMALS
 from symjax.l2e.sweep import sweep
 from symjax.scale_sweep.optima import ranks

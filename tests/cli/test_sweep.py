@@ -15,9 +15,6 @@ from symjax.cli.sigmas import Sigmas
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.io.points import write_points
-from symjax.l2e.names import SOLVERS, STARTS
-from symjax.l2e.solvers import registry
-from symjax.l2e.sweep import STARTS as KNOWN_STARTS
 
 NOISE = 0.01
 PLANTED = planted_pairs(np.random.default_rng(7), 240, 0.3, "wide", noise=NOISE)
@@ -177,11 +174,6 @@ def test_scales_are_typed_as_a_range_or_a_list(text, sigmas):
 def test_other_scales_are_refused(text):
     with pytest.raises(click.BadParameter):
         Sigmas().convert(text, None, None)
-
-
-def test_choices_are_those_of_the_estimator():
-    assert sorted(STARTS) == sorted(KNOWN_STARTS)
-    assert sorted(SOLVERS) == sorted(registry.SOLVERS)
 
 
 @pytest.mark.parametrize(

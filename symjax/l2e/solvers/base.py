@@ -49,18 +49,33 @@ class Solver(NamedTuple):
         init: start -> state.
         going: state -> whether another step is to be taken.
         step: state -> the next state.
-        finish: state -> the minimum.
+        finish: state -> the minimum (and what else is to be kept).
     """
 
     init: Callable[[Float[Array, "d"]], State]
     going: Callable[[State], Bool[Array, ""]]
     step: Callable[[State], State]
-    finish: Callable[[State], Minimum]
+    finish: Callable[[State], Any]
 
 
-def solve(solver: Solver, start: Float[Array, "d"]) -> Minimum:
-    """Runs a solver from one start."""
+def solve(solver: Solver, start: Float[Array, "d"]) -> Any:
+    """Runs a solver from one start; gives what its `finish` gives."""
     return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
+
+
+def with_start(solver: Solver, point_of: Callable[[Float[Array, "s"]], Float[Array, "d"]]) -> Solver:
+    """A solver that begins at `point_of(start)`, and that finishes with the minimum and this point."""
+
+    def init(start: Float[Array, "s"]) -> State:
+        point = point_of(start)
+        return solver.init(point), point
+
+    return Solver(
+        init=init,
+        going=lambda state: solver.going(state[0]),
+        step=lambda state: (solver.step(state[0]), state[1]),
+        finish=lambda state: (solver.finish(state[0]), state[1]),
+    )
 
 
 def norm(u: Float[Array, "d"]) -> Float[Array, ""]:

@@ -24,7 +24,7 @@ def made(seed, share):
 
 
 @pytest.mark.parametrize("kind", CLOUDS)
-def test_the_best_is_never_worse_than_that_of_independent_lanes(kind):
+def test_the_best_is_never_worse_than_that_of_independent_fits(kind):
     for seed in range(4):
         p = CLOUDS[kind](seed)
         followed = best(sweep(p.x, p.y, SIGMAS, continuation=True))

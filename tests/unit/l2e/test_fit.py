@@ -7,12 +7,11 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.geometry.directions import deviation_angle
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e import sweep as sweep_module
 from symjax.l2e.fit import Fit, best
 from symjax.l2e.fit_plane import fit_plane
-from symjax.l2e.manifolds import fibonacci
 from symjax.l2e.objective import l2e_loss
 from symjax.l2e.sweep import sweep
 
@@ -105,7 +104,7 @@ def test_weight_zero_is_absence(pairs):
 
 @pytest.mark.parametrize(
     "options",
-    [{"solver": "mm"}, {"solver": "joint"}, {"solver": "joint", "line_search": "wolfe"}, {"solver": "alternating"}],
+    [{"solver": "irls"}, {"solver": "rbfgs"}, {"solver": "alternating"}],
 )
 def test_every_solver_finds_the_same_plane(pairs, options):
     expected, other = (fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, **o) for o in ({}, options))
@@ -221,7 +220,8 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
         ({"weights": np.array([1, -1, 1])}, InvalidArgumentError, r"weights\[1\]"),
         ({"weights": np.zeros(3)}, InvalidArgumentError, "every weight is zero"),
         ({"solver": "simplex"}, InvalidArgumentError, "'simplex' is unknown"),
-        ({"line_search": "exact"}, InvalidArgumentError, "'exact' is unknown"),
+        ({"solver": "joint"}, InvalidArgumentError, "'joint' is now called 'rbfgs'"),
+        ({"solver": "mm"}, InvalidArgumentError, "'mm' is now called 'irls'"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),
         ({"tol": 0.0}, InvalidArgumentError, "tol"),
     ],

@@ -33,16 +33,16 @@ def clouds():
     return sweep_clouds([pairs(0), pairs(1, 70)], SIGMAS, "fibonacci", restarts=RESTARTS)
 
 
-@pytest.mark.parametrize(("name", "lanes"), [("fits", ("sigma", "restart")), ("clouds", ("cloud", "sigma", "restart"))])
-def test_every_number_is_there_under_its_name(request, name, lanes):
+@pytest.mark.parametrize(("name", "dims"), [("fits", ("sigma", "restart")), ("clouds", ("cloud", "sigma", "restart"))])
+def test_every_number_is_there_under_its_name(request, name, dims):
     fit = request.getfixturevalue(name)
     data = fit.to_xarray()
-    assert dict(data.sizes) == dict(zip((*lanes, "xyz"), (*fit.loss.shape, 3), strict=True))
-    assert data.normal.dims == (*lanes, "xyz")
+    assert dict(data.sizes) == dict(zip((*dims, "xyz"), (*fit.loss.shape, 3), strict=True))
+    assert data.normal.dims == (*dims, "xyz")
     np.testing.assert_array_equal(data.normal, fit.plane.normal)
     np.testing.assert_array_equal(data.offset, fit.plane.offset)
     for variable in ("loss", "converged", "num_steps", "grad_norm", "inlier_fraction"):
-        assert data[variable].dims == lanes
+        assert data[variable].dims == dims
         np.testing.assert_array_equal(data[variable], getattr(fit, variable))
     for variable in data.values():
         assert variable.attrs["long_name"]

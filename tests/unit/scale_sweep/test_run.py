@@ -6,9 +6,8 @@ import pytest
 from symjax import datasets, detect, sweep
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, NonfiniteError, TooFewPointsError
-from symjax.geometry.directions import deviation_angle
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.geometry.plane import Plane
-from symjax.l2e import manifolds
 from symjax.scale_sweep import run
 from symjax.scale_sweep.optima import NOWHERE, optima, ranks
 from symjax.scale_sweep.page import figure, write_html
@@ -62,7 +61,7 @@ def test_progress_is_told(found):
 
 
 def test_starts_are_those_of_the_sweep(found):
-    even = np.asarray(manifolds.fibonacci(8))
+    even = fibonacci(8)
     for normals in found.starts.normal:
         assert (deviation_angle(normals, even) < 1e-6).all()
     # each begins at an offset where pairs support it

@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.directions import deviation_angle
-from symjax.l2e.manifolds import fibonacci
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import Problem, normalised, sample
-from symjax.l2e.pairs.padded import given_pairs
-from symjax.l2e.starts.hypotheses import SAME_ANGLE, SAME_OFFSET, SUBSET, distinct, hypotheses, lift, screened
+from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs, systematic_sample
+from symjax.l2e.pairs.padded import pad_pairs
+from symjax.l2e.starts.hypotheses import (
+    SAME_ANGLE,
+    SAME_OFFSET,
+    SUBSET,
+    offset_search,
+    pair_hypotheses,
+    plane_nms,
+    rank_hypotheses,
+)
 
 NUM, BUCKET = 200, 256
 SIGMA = jnp.asarray(0.05)
@@ -19,13 +26,13 @@ SIGMA = jnp.asarray(0.05)
 
 def problem_of(x, y, weights=None):
     """The pairs as the solver sees them: padded, centred, scaled."""
-    return made(*given_pairs(x, y, weights)[:3])
+    return made(*pad_pairs(x, y, weights)[:3])
 
 
-made = jax.jit(normalised)
-proposed_by = jax.jit(hypotheses)
-screen = jax.jit(lambda proposed, problem, sigma: screened(proposed, problem, sigma))
-drawn = jax.jit(sample, static_argnums=1)
+made = jax.jit(normalize_pairs)
+proposed_by = jax.jit(pair_hypotheses)
+screen = jax.jit(lambda proposed, problem, sigma: rank_hypotheses(proposed, problem, sigma))
+drawn = jax.jit(systematic_sample, static_argnums=1)
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +40,7 @@ def planted():
     return planted_pairs(np.random.default_rng(21), NUM, 0.8)
 
 
-def in_own_units(points, problem: Problem):
+def in_own_units(points, problem: NormalizedPairs):
     """Planes (v, ω) of a scaled problem as normals and offsets of the points."""
     points = np.asarray(points)
     return points[:, :3], np.asarray(problem.radius) * points[:, 3] + points[:, :3] @ np.asarray(problem.centre)
@@ -99,7 +106,7 @@ def turned(angle, offset):
     return [np.sin(np.radians(angle)), 0, np.cos(np.radians(angle)), offset]
 
 
-choose = jax.jit(distinct, static_argnums=2)
+choose = jax.jit(plane_nms, static_argnums=2)
 
 
 def test_near_duplicates_are_left_out():
@@ -184,7 +191,7 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
 
 def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
     problem = problem_of(planted.x, planted.y)
-    raised = lift(problem)
+    raised = offset_search(problem)
     sigma = jnp.asarray(0.1)
     v = jnp.concatenate([fibonacci(20), jnp.asarray(planted.normal)[None]])
     points = jax.jit(jax.vmap(raised, (0, None)))(v, sigma)
