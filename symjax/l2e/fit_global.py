@@ -43,7 +43,7 @@ def _fit_global(
     if sigma is None:
         starts = starts_at_all_scales(proposed, constant)
         return unscale_with_sigma(normalized, *estimate_scale(starts, constant, limits))
-    scaled = sigma / normalized.radius
+    scaled = sigma / normalized.to_given.scale
     constant_sigma = jax.lax.stop_gradient(scaled)
     starts = rank_hypotheses(proposed, constant, constant_sigma, num=num_refined)
     # a few steps of all on some of the pairs, and the best of them to its end on all

@@ -43,7 +43,7 @@ def _fit_plane(
         grid = jnp.asarray(GRID, v0.dtype)
         starts = jax.vmap(lambda sigma: jnp.append(plane_at(v0, sigma), jnp.log(sigma)))(grid)
         return unscale_with_sigma(normalized, *estimate_scale(starts, constant, limits))
-    scaled = sigma / normalized.radius
+    scaled = sigma / normalized.to_given.scale
     constant_sigma = jax.lax.stop_gradient(scaled)
     criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
     point = plane_at(v0, constant_sigma)

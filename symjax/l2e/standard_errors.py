@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.fit import Fit
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
@@ -69,10 +70,10 @@ def standard_errors(
 @jax.jit
 def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Array, "5 5"]]:
     """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
-    x, y, weights, centre, radius = normalize_pairs(pairs.x, pairs.y, pairs.weights)
-    v, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
-    sigma = sigma / radius
-    omega = (offset - jnp.sum(v * centre)) / radius
+    x, y, weights, to_given = normalize_pairs(pairs.x, pairs.y, pairs.weights)
+    normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
+    v, omega = to_given.inverse().plane(Plane(normal, offset))
+    sigma = sigma / to_given.scale
     kernel = weights * jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
     # not cut to 1, as `Fit.inlier_fraction` is: it is where the criterion is stationary
     share = FRACTION * jnp.sum(kernel) / jnp.sum(weights)
@@ -99,7 +100,5 @@ def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Ar
     meat = jnp.dot(gradients.T, gradients, precision="highest")
     used = jnp.sum(weights > 0, dtype=x.dtype)
     covariance = bread @ meat @ bread * (used / jnp.maximum(used - 5, 1))
-    units = jnp.stack(
-        [jnp.ones_like(radius), jnp.ones_like(radius), radius, jnp.ones_like(radius), jnp.ones_like(radius)]
-    )
-    return centre + radius * middle, covariance * units[:, None] * units[None, :]
+    units = jnp.ones(5, x.dtype).at[2].set(to_given.scale)
+    return to_given.points(middle), covariance * units[:, None] * units[None, :]

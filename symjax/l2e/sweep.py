@@ -46,7 +46,7 @@ def _sweep(
     pairs: PaddedPairs, sigmas: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
 ) -> Fit:
     normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
-    scaled = sigmas / normalized.radius
+    scaled = sigmas / normalized.to_given.scale
     constant, scales = jax.lax.stop_gradient((normalized, scaled))
     rows = features(*constant[:3], used=pairs.used)
     starts = _starts(constant, scales, v0s, options)

@@ -76,7 +76,7 @@ def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
     pairs = planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin")
     x, y = (jnp.asarray(end, dtype) for end in (pairs.x, pairs.y))
     normalized = normalize_pairs(x, y, jnp.ones(config.num_pairs, dtype))
-    sigma = jnp.asarray(config.sigma, dtype) / normalized.radius
+    sigma = jnp.asarray(config.sigma, dtype) / normalized.to_given.scale
     normals = random_points(jax.random.key(config.seed), config.planes).astype(dtype)
     offsets = 0.1 * jax.random.normal(jax.random.key(config.seed + 1), (config.planes, 1), dtype)
     planes = jnp.concatenate([normals, offsets], axis=1)

@@ -7,6 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from symjax.geometry.similarity import Similarity
+
 
 class NormalizedPairs(NamedTuple):
     """Pairs centred and scaled to unit radius.
@@ -15,15 +17,13 @@ class NormalizedPairs(NamedTuple):
         x: one end of every pair, scaled.
         y: the other end.
         weights: the pairs' weights, of mean 1.
-        centre: what was subtracted, in the units of the points.
-        radius: what was divided by.
+        to_given: the way back to the units of the points: times the radius, and moved to the centre.
     """
 
     x: Float[Array, "n 3"]
     y: Float[Array, "n 3"]
     weights: Float[Array, "n"]
-    centre: Float[Array, "3"]
-    radius: Float[Array, ""]
+    to_given: Similarity
 
 
 REACH = 1e3  # radii from the centre beyond which a coordinate is cut
@@ -59,6 +59,7 @@ def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Flo
     median = jnp.median(distance)
     radius = jnp.where(median > 0, median, jnp.max(distance))
     radius = jnp.where(radius > 0, radius, 1)
-    # farther off no pair has a weight, but its f would be rounded by more than σ²: the features are its squares
+    # subtracted first: far from the origin the inverse of `to_given` would round by more. Cut, since farther off no pair
+    # has a weight, but its f would be rounded by more than σ²: the features are its squares
     scaled = [jnp.clip((end - centre[None, :]) / radius, -REACH, REACH) for end in (x, y)]
-    return NormalizedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), centre, radius)
+    return NormalizedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), Similarity(radius, None, centre))

@@ -38,8 +38,7 @@ def psi(z: Float[Array, "4"], theta: tuple[Array, Array, Array, Array]) -> Float
 
 def unscale_plane(point: Float[Array, "d"], pairs: NormalizedPairs) -> Plane:
     """A plane (v, ω) of the normalized pairs as one in the units of the points, of canonical sign."""
-    v, omega = point[:3], point[3]
-    return Plane(v, jnp.sum(v * pairs.centre) + pairs.radius * omega).canonical()
+    return pairs.to_given.plane(Plane(point[:3], point[3])).canonical()
 
 
 def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, "4"] | None) -> Fit:
@@ -51,7 +50,7 @@ def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, s
         minimum: what the solver found.
         start: the plane that it began with, where there is one.
     """
-    x, y, weights, _, radius = pairs
+    x, y, weights, to_given = pairs
     z, value = implicit_minimum(psi, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights, sigma))
     log_share = 1 - value / sigma**2
     share = jnp.exp(log_share)
@@ -61,11 +60,11 @@ def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, s
     flat = log_share + jnp.log(jnp.sum(weights)) < tiny
     return Fit(
         plane=unscale_plane(z, pairs),
-        loss=loss / radius**3,
+        loss=loss / to_given.scale**3,
         status=jnp.where(flat, jnp.int32(Status.FLAT), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
-        sigma=sigma * radius,
+        sigma=sigma * to_given.scale,
         inlier_fraction=jnp.minimum(FRACTION * share, 1),
         sigma_estimated=jnp.asarray(False),
         start=None if start is None else unscale_plane(start, pairs),

@@ -92,7 +92,7 @@ def estimate_scale(
     starts: Float[Array, "k 5"], pairs: NormalizedPairs, limits: Limits
 ) -> tuple[Minimum, Float[Array, "5"]]:
     """The best optimum from several starts that enough pairs support, and its start."""
-    x, y, weights, _, _ = jax.lax.stop_gradient(pairs)
+    x, y, weights, _ = jax.lax.stop_gradient(pairs)
     row = systematic_sample(weights, NUM_SAMPLED)
     some = x[row], y[row], jnp.ones_like(weights[row])
     found = jax.vmap(lambda start: _solve(start, some, limits))(starts)
@@ -106,7 +106,7 @@ def estimate_scale(
 
 def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Array, "5"]) -> Fit:
     """The fit at the estimated scale, differentiable in the pairs."""
-    x, y, weights, _, radius = pairs
+    x, y, weights, to_given = pairs
     z, value = implicit_minimum(profile, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights))
     sigma = jnp.exp(z[4])
     share = jnp.exp(1.5 * z[4] - value)
@@ -115,11 +115,11 @@ def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Ar
     lacking = (minimum.status == Status.SUCCESSFUL.value) & (support < LEAST_SUPPORT)
     return Fit(
         plane=unscale_plane(z, pairs),
-        loss=loss / radius**3,
+        loss=loss / to_given.scale**3,
         status=jnp.where(lacking, jnp.int32(Status.UNSUPPORTED), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
-        sigma=sigma * radius,
+        sigma=sigma * to_given.scale,
         inlier_fraction=jnp.minimum(FRACTION * share, 1),
         sigma_estimated=jnp.asarray(True),
         start=unscale_plane(start, pairs),

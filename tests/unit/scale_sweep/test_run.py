@@ -57,22 +57,22 @@ def test_parts_of_a_sweep_are_the_sweep(found):
 
 
 def test_progress_is_told(found):
-    assert TOLD == ["compiling", "sweeping sigma", (0, 3), (1, 3), (2, 3), (3, 3), "estimating sigma"]
+    assert TOLD == ["sweeping sigma", (0, 3), (1, 3), (2, 3), (3, 3), "estimating sigma"]
 
 
 def test_starts_are_those_of_the_sweep(found):
     even = fibonacci(8)
-    for normals in found.starts.normal:
+    for normals in found.fits.start.normal:
         assert (deviation_angle(normals, even) < 1e-6).all()
     # each begins at an offset where pairs support it
-    low, high = (f(found.starts.normal @ TRUTH.x.T, axis=2) for f in (np.min, np.max))
-    assert ((found.starts.offset > low) & (found.starts.offset < high)).all()
+    low, high = (f(found.fits.start.normal @ TRUTH.x.T, axis=2) for f in (np.min, np.max))
+    assert ((found.fits.start.offset > low) & (found.fits.start.offset < high)).all()
 
 
 def test_a_continuation_has_optima_and_no_starts():
     followed = swept(OPTIONS._replace(start="l2", restarts=256, continuation=True))
     assert followed.rank.shape == (3, followed.options.restarts) == (3, 1)
-    assert followed.starts is None
+    assert followed.fits.start is None
     assert (deviation_angle(followed.best.plane.normal, TRUTH.normal) < 3).all()
     cells, starts, marks = figure(followed).frames[0].data
     assert len(set(cells.intensity)) == 1
@@ -165,7 +165,7 @@ def test_the_page_paints_basins_and_marks_optima(found):
         np.testing.assert_array_equal(starts.marker.color, np.tile(reached, 2))
         drawn = np.stack([starts.x, starts.y, starts.z], axis=1)
         drawn /= np.linalg.norm(drawn, axis=1, keepdims=True)
-        np.testing.assert_allclose(drawn[:8], found.starts.normal[index], atol=1e-6)
+        np.testing.assert_allclose(drawn[:8], found.fits.start.normal[index], atol=1e-6)
         np.testing.assert_allclose(drawn[8:], -drawn[:8], atol=1e-6)
         assert set(cells.intensity) <= {*reached.tolist(), len(COLOURS)}
         normals = np.stack([marks.x, marks.y, marks.z], axis=1)
