@@ -72,7 +72,7 @@ def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Ar
     """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
     x, y, weights, to_given = normalize_pairs(pairs.x, pairs.y, pairs.weights)
     normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
-    v, omega = to_given.inverse().plane(Plane(normal, offset))
+    v, omega = (jnp.asarray(part) for part in to_given.inverse().plane(Plane(normal, offset)))
     sigma = sigma / to_given.scale
     kernel = weights * jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
     # not cut to 1, as `Fit.inlier_fraction` is: it is where the criterion is stationary
@@ -101,4 +101,4 @@ def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Ar
     used = jnp.sum(weights > 0, dtype=x.dtype)
     covariance = bread @ meat @ bread * (used / jnp.maximum(used - 5, 1))
     units = jnp.ones(5, x.dtype).at[2].set(to_given.scale)
-    return to_given.points(middle), covariance * units[:, None] * units[None, :]
+    return jnp.asarray(to_given.points(middle)), covariance * units[:, None] * units[None, :]

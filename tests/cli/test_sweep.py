@@ -114,8 +114,8 @@ def test_random_starts_follow_the_seed(run, pairs):
 def test_progress_counts_the_sigmas(run, pairs, monkeypatch):
     plain = run(pairs, "--pairs", *SMALL)[2].splitlines()
     assert plain[0] == "symjax: sweeping sigma ..."
-    assert [line.split(" done, ")[0] for line in plain[2:4]] == ["symjax: 1 of 3", "symjax: 2 of 3"]
-    assert plain[4:] == ["symjax: estimating sigma ..."]
+    assert [line.split(" done, ")[0] for line in plain[1:3]] == ["symjax: 1 of 3", "symjax: 2 of 3"]
+    assert plain[3:] == ["symjax: estimating sigma ..."]
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     bar = run(pairs, "--pairs", *SMALL)[2]
     for part in ("reading", "sweeping sigma 0/3", "sweeping sigma 2/3", "sweeping sigma 3/3", "left"):

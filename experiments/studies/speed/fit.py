@@ -79,7 +79,7 @@ def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
     pairs = planted_pairs(np.random.default_rng(config.seed), num_pairs, config.outliers)
     x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
     normalized = normalize_pairs(x, y, jnp.ones(num_pairs))
-    sigma = config.sigma / normalized.to_given.scale
+    sigma = jnp.asarray(config.sigma / normalized.to_given.scale)
     normals = fibonacci(config.restarts)
     starts = jax.jit(jax.vmap(lambda v: offset_search(normalized)(v, sigma)))(normals)
     task = external_solvers.Task(normalized, sigma, starts, config.max_steps, config.tol)

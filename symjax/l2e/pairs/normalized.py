@@ -59,7 +59,7 @@ def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Flo
     median = jnp.median(distance)
     radius = jnp.where(median > 0, median, jnp.max(distance))
     radius = jnp.where(radius > 0, radius, 1)
-    # subtracted first: far from the origin the inverse of `to_given` would round by more. Cut, since farther off no pair
-    # has a weight, but its f would be rounded by more than σ²: the features are its squares
+    # subtracted first: far from the origin the inverse of `to_given` would round by more. Cut, since farther off no
+    # pair has a weight, but its f would be rounded by more than σ²: the features are its squares
     scaled = [jnp.clip((end - centre[None, :]) / radius, -REACH, REACH) for end in (x, y)]
     return NormalizedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), Similarity(radius, None, centre))

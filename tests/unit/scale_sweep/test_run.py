@@ -181,8 +181,10 @@ def test_panels_show_the_best_plane_at_every_sigma(found):
         np.testing.assert_array_equal(line.x, FRACTIONS)
     expected = deviation_angle(found.best.plane.normal, found.estimated.plane.normal)
     np.testing.assert_allclose(angles.y, np.maximum(expected, 1e-3))
-    # in units of the integral of the squared Gaussian the loss is 1 - 2 rho
-    np.testing.assert_allclose(losses.y, 1 - 2 * found.best.inlier_fraction, rtol=1e-9)
+    # in units of the integral of the squared Gaussian the loss is 1 - 2 rho, where rho may exceed 1
+    unit = (4 * np.pi * np.asarray(found.best.sigma) ** 2) ** 1.5
+    np.testing.assert_allclose(losses.y, unit * found.best.loss, rtol=1e-9)
+    np.testing.assert_array_equal(found.best.inlier_fraction, np.minimum((1 - losses.y) / 2, 1))
 
 
 def test_the_page_is_one_file_that_fetches_nothing(found, tmp_path):
