@@ -84,7 +84,7 @@ def fit_plane(
             `optimistix.BFGS(rtol=1e-8, atol=1e-8)` (`symjax.l2e.solvers.external`).
         max_steps: limit on the steps, or on the rounds of the alternating solver and of a minimiser of optimistix.
         tol: bound on the gradient, see `Fit.grad_norm`; None is eps^(2/3) of the points' type
-            (eps^(1/2) for the alternating solver and for a minimiser of optimistix).
+            (eps^(1/2) for the alternating solver, eps^(2/5) for a minimiser of optimistix).
 
     Returns:
         The fit. A solve that fails raises nothing: read `fit.converged`, or `fit.message` for a sentence.

@@ -12,7 +12,7 @@ from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.solvers.alternating import alternation
 from symjax.l2e.solvers.base import Limits, Solver
 from symjax.l2e.solvers.irls import reweighting
-from symjax.l2e.solvers.names import SOLVER_NAMES, AnySolver, check_solver, is_external
+from symjax.l2e.solvers.names import SOLVER_NAMES, AnySolver, check_solver
 from symjax.l2e.solvers.newton import newton
 from symjax.l2e.solvers.rbfgs import riemannian_bfgs
 
@@ -40,11 +40,11 @@ SOLVERS: dict[str, Callable[[Criterion, Limits], Solver]] = dict(
 )
 """Each takes the criterion and the limits."""
 
-_TOL_POWER = 2 / 3
+_TOL_POWER = dict(zip(SOLVER_NAMES, (2 / 3, 2 / 3, 2 / 3, 1 / 2), strict=True))
+# the alternation's ω solver stops where f itself shows no decrease any more, which is at a gradient of about eps^(1/2)
 
-_COARSE_POWER = 1 / 2
-"""Of solvers that stop where ψ itself shows no decrease any more, which is at a gradient of about eps^(1/2): the
-alternation, whose ω is found by such a one, and minimisers of other packages."""
+_EXTERNAL_TOL_POWER = 2 / 5
+"""So does a minimiser of another package, now and then some times before that."""
 
 
 def make_solver(solver: AnySolver, criterion: Criterion, limits: Limits) -> Solver:
@@ -59,8 +59,8 @@ def make_solver(solver: AnySolver, criterion: Criterion, limits: Limits) -> Solv
 
 def default_tol(solver: AnySolver, dtype: jnp.dtype) -> float:
     """A power of the type's rounding that the solver reaches."""
-    is_coarse = solver == "alternating" or is_external(solver)
-    return float(jnp.finfo(dtype).eps) ** (_COARSE_POWER if is_coarse else _TOL_POWER)
+    power = _TOL_POWER[solver] if isinstance(solver, str) else _EXTERNAL_TOL_POWER
+    return float(jnp.finfo(dtype).eps) ** power
 
 
 def checked_limits(solver: AnySolver, max_steps: int, tol: float | None, dtype: Any) -> Limits:

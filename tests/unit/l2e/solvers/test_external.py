@@ -8,9 +8,9 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.directions import deviation_angle, fibonacci
+from symjax.geometry.directions import fibonacci
 from symjax.l2e.fit import best
-from symjax.l2e.fit_plane import fit_plane
+from symjax.l2e.fit_plane import _fit_plane, fit_plane
 from symjax.l2e.sweep import sweep
 
 SIGMA, NUM = 0.05, 60
@@ -22,7 +22,7 @@ def pairs():
     return planted_pairs(np.random.default_rng(0), NUM, 0.3)
 
 
-def same(fit, expected, atol=1e-7):
+def same(fit, expected, atol=1e-6):
     np.testing.assert_allclose(fit.plane.normal, expected.plane.normal, atol=atol)
     np.testing.assert_allclose(fit.plane.offset, expected.plane.offset, atol=atol)
     np.testing.assert_allclose(fit.loss, expected.loss, rtol=1e-9)
@@ -47,22 +47,17 @@ def test_a_start_in_the_other_half_sphere_is_no_hindrance():
         same(fit, fit_plane(p.x, p.y, 1.0, p.normal))
 
 
-@pytest.mark.parametrize(
-    "minimiser",
-    [optx.NonlinearCG(rtol=1e-8, atol=1e-8), optx.NelderMead(rtol=1e-10, atol=1e-10)],
-    ids=lambda minimiser: type(minimiser).__name__,
-)
-def test_other_minimisers_go_too(pairs, minimiser):
-    fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=minimiser, tol=1e-5)
+def test_another_minimiser_goes_too(pairs):
+    fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.NonlinearCG(rtol=1e-8, atol=1e-8))
     assert fit.converged
-    same(fit, fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal), atol=1e-4)
+    same(fit, fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal))
 
 
 def test_convergence_is_judged_by_our_own_tolerance(pairs):
     """A minimiser that is content with little goes on in the next chart until the gradient is within tol."""
     fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=0.1, atol=0.1))
     assert fit.converged
-    assert fit.grad_norm <= 1.5e-8
+    assert fit.grad_norm <= np.finfo(float).eps ** 0.4
     assert fit.num_steps > 1
     short = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=BFGS, max_steps=0)
     assert not short.converged
@@ -86,10 +81,10 @@ def test_it_goes_through_jit_vmap_and_grad(pairs):
 
 
 def test_minimisers_of_equal_options_are_compiled_once(pairs):
-    for _ in range(2):
-        fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=1e-8, atol=1e-8))
-    assert deviation_angle(fit.plane.normal, pairs.normal) < 10
-    assert hash(optx.BFGS(rtol=1e-8, atol=1e-8)) == hash(BFGS)
+    fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=BFGS)
+    compiled = _fit_plane._cache_size()
+    fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=1e-8, atol=1e-8))
+    assert _fit_plane._cache_size() == compiled
 
 
 def test_what_is_no_solver_is_refused(pairs):
