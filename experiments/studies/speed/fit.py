@@ -22,7 +22,6 @@ from symjax.geometry.directions import fibonacci
 from symjax.l2e.fit import best
 from symjax.l2e.fit_global import fit_global
 from symjax.l2e.pairs.normalized import normalize_pairs
-from symjax.l2e.pairs.unscale import FRACTION
 from symjax.l2e.starts.hypotheses import offset_search
 from symjax.l2e.sweep import sweep
 
@@ -93,8 +92,9 @@ def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
         external_solvers.available(task) if everyone else {}
     )
     seconds = interleaved({**fits, **lowest}, config.repeats)
-    # ψ = σ²(1 − log mean exp(−f/2σ²)), and f of Eq. 5 is that mean times a constant
-    log_f = {name: float(np.log(np.ravel(fit().inlier_fraction)[0] / FRACTION)) for name, fit in fits.items()}
+    # ψ = σ²(1 − log mean exp(−f/2σ²)), and the loss is a constant minus f of Eq. 5, which is that mean times a constant
+    constant, factor = (4 * np.pi * config.sigma**2) ** -1.5, 2 * (2 * np.pi * config.sigma**2) ** -1.5
+    log_f = {name: float(np.log((constant - np.ravel(fit().loss)[0]) / factor)) for name, fit in fits.items()}
     log_f |= {name: 1 - float(run() / sigma**2) for name, run in lowest.items()}
     rows = []
     for name, times in seconds.items():
