@@ -24,7 +24,7 @@ def made(seed, share):
 
 
 def objective(fits):
-    """F of Eq. 5, from which the loss is a constant away."""
+    """The objective of Eq. 5, from which the loss is a constant away."""
     return (4 * np.pi * np.asarray(fits.sigma) ** 2) ** -1.5 - np.asarray(fits.loss)
 
 
