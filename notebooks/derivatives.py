@@ -155,7 +155,7 @@ def confidence(model, features):
 def mean_error(model, sigma, training):
     def error(x, y, features, _, normal):
         weights = confidence(model, features)
-        plane = symjax.fit_global(x, y, sigma, weights=weights, num_hypotheses=64, num_polished=4).plane
+        plane = symjax.fit_global(x, y, sigma, weights=weights, num_hypotheses=64, num_refined=4).plane
         return jnp.sum(jnp.cross(plane.normal, normal) ** 2) + plane.offset**2
 
     errors = jax.vmap(error)(*training)
@@ -219,9 +219,9 @@ def deformed(points, field):
 @jax.jit
 @partial(jax.grad, has_aux=True)
 def asymmetry(field, sigma, x, y):
-    """Minus the log of the share of pairs that the best plane mirrors, which is the L2E criterion but for constants."""
+    """Minus the log of Eq. 5 at the best plane: of the share of pairs that it mirrors, but for a constant of sigma."""
     fit = symjax.fit_global(deformed(x, field), deformed(y, field), sigma)
-    return -jnp.log(fit.inlier_fraction), fit.plane
+    return -jnp.log((4 * jnp.pi * sigma**2) ** -1.5 - fit.loss), fit.plane
 
 
 fig, axes = plt.subplots(3, 3, figsize=(7, 7), sharex=True, sharey=True)

@@ -26,7 +26,7 @@ import numpy as np
 import symjax
 from symjax import datasets
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.l2e import manifolds
+from symjax.geometry.directions import fibonacci
 
 jax.config.update("jax_enable_x64", True)
 
@@ -77,7 +77,7 @@ print(len(figure.data), "traces; figure.show() opens the interactive picture")
 # %%
 pairs = planted_pairs(np.random.default_rng(0), 400, 0.8, "isotropic")
 sigmas = jnp.geomspace(0.01, 0.6, 12)
-fits = symjax.sweep(pairs.x, pairs.y, sigmas, manifolds.fibonacci(32))
+fits = symjax.sweep(pairs.x, pairs.y, sigmas, fibonacci(32))
 best = symjax.best(fits)
 planted = symjax.Plane(jnp.asarray(pairs.normal), jnp.asarray(pairs.offset))
 angles = fits.plane.angle(planted)

@@ -13,7 +13,8 @@ from symjax.cli.outputs import check_outputs
 from symjax.cli.progress import progress
 from symjax.cli.sigmas import Sigmas
 from symjax.cli.start import start_jax
-from symjax.l2e.names import SOLVERS, STARTS
+from symjax.l2e.solvers.names import SOLVER_NAMES
+from symjax.l2e.starts.names import STARTS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 )
 @click.option("--restarts", type=click.IntRange(min=1), metavar="N", default=256, help="Starts at every scale.")
 @click.option("--start", type=click.Choice(STARTS), default="fibonacci", help="What they are; the last three are one.")
-@click.option("--solver", type=click.Choice(SOLVERS), default="newton", help="How a fit is found.")
+@click.option("--solver", type=click.Choice(SOLVER_NAMES), default="newton", help="How a fit is found.")
 @click.option(
     "--continuation", is_flag=True, help="Go from the largest scale to the smallest: cheaper, shows no basins."
 )
@@ -65,7 +66,7 @@ def command(
 
     FILE is a scan or a mesh, as for `symjax detect`, whose pairs are the correspondences of Sym-HKS; or, with --pairs,
     putative mirror pairs (CSV, TXT, XYZ or NPY). A line is printed for every scale: the best plane, its loss, the share
-    of starts that converged, the number of distinct optima that they reached, and the share of mirror pairs (above 1
+    of starts that converged, the number of distinct optima that they reached, and the share of mirror pairs (100 %
     where the scale is larger than the residual's own). The last lines are the plane with its scale estimated.
     """
     outputs = {"out": out, "html": html}

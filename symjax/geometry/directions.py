@@ -49,5 +49,5 @@ def deviation_angle(a: Float[AnyArray, "*batch 3"], b: Float[AnyArray, "*batch 3
     dot = xp.abs(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
     square = cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2
     # the square root's slope at 0 would make a NaN of the derivative at aligned normals
-    sine = xp.sqrt(xp.where(square > 0, square, 1)) * (square > 0)
+    sine = xp.where(square > 0, xp.sqrt(xp.where(square > 0, square, 1)), 0)
     return xp.degrees(xp.atan2(sine, dot))

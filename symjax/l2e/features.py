@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from symjax.l2e.objective import Pairs, Scalar, Vector
+from symjax.l2e.objective import PairEnds, Scalar, Vector
 
 TILE = 1024  # pairs of one product: the weights of a few hundred planes on them stay in a core's cache
 FAR = 1e6  # ‖h‖² of a pair of weight 0: far enough that its exponent is not the largest, which is taken out
@@ -60,7 +60,7 @@ def coefficients(v: Vector, omega: Scalar) -> Float[Array, "11"]:
     return jnp.concatenate([square, omega * v, jnp.stack([omega**2, jnp.ones_like(omega)])])
 
 
-def feature_rows(x: Pairs, y: Pairs) -> Float[Array, "11 n"]:
+def feature_rows(x: PairEnds, y: PairEnds) -> Float[Array, "11 n"]:
     """φ of every pair."""
     m, h = 0.5 * (x + y).T, 0.5 * (y - x).T
     square = h[0] ** 2 + h[1] ** 2 + h[2] ** 2
@@ -69,7 +69,7 @@ def feature_rows(x: Pairs, y: Pairs) -> Float[Array, "11 n"]:
 
 
 def features(
-    x: Pairs, y: Pairs, weights: Float[Array, "n"] | None = None, *, used: int | Int[Array, ""] | None = None
+    x: PairEnds, y: PairEnds, weights: Float[Array, "n"] | None = None, *, used: int | Int[Array, ""] | None = None
 ) -> Features:
     """Features of pairs that are centred and scaled to about unit radius.
 
@@ -90,7 +90,7 @@ def features(
     return tiles._replace(num_tiles=num_tiles)
 
 
-def _tile(pairs: tuple[Pairs, Pairs, Float[Array, "p"]]) -> Features:
+def _tile(pairs: tuple[PairEnds, PairEnds, Float[Array, "p"]]) -> Features:
     x, y, weights = pairs
     phi = jnp.where(weights[None, :] > 0, feature_rows(x, y), 0)
     phi = phi.at[-1].set(jnp.where(weights > 0, phi[-1], FAR))

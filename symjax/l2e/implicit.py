@@ -29,7 +29,7 @@ def implicit_minimum(
         manifold: the manifold it is minimised on.
         z: a minimiser; its own derivative is discarded (an answer does not depend on its start).
         value: `fun(z, theta)`, which the solver knows; its own derivative is discarded.
-        theta: parameters of the problem.
+        theta: parameters of the function.
 
     Returns:
         z and value.

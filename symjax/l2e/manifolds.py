@@ -7,8 +7,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-_GOLDEN_ANGLE = 2.399963229728653  # π(3 − √5)
-
 
 def _dot(a: Float[Array, "d"], b: Float[Array, "d"]) -> Float[Array, ""]:
     """Inner product a · b, summed elementwise: `jnp.dot` in float32 runs in TF32 on a GPU."""
@@ -52,20 +50,6 @@ def tangent_basis(v: Float[Array, "3"]) -> Float[Array, "3 2"]:
     """Two orthonormal tangent vectors at v: columns 1 and 2 of the isometry that takes e₃ (or −e₃) to v."""
     pole = jnp.asarray([0.0, 0.0, 1.0], v.dtype) * jnp.where(v[2] < 0, -1, 1)
     return transport(pole, v)[:, :2]
-
-
-def fibonacci(num: int, *, half: bool = True) -> Float[Array, "num 3"]:
-    """`num` nearly uniform directions on a Fibonacci spiral.
-
-    Args:
-        num: number of directions.
-        half: cover the upper half of the sphere only: v and −v are the same mirror.
-    """
-    share = (jnp.arange(num) + 0.5) / num
-    z = 1 - share if half else 1 - 2 * share
-    radius = jnp.sqrt(1 - z**2)
-    angle = _GOLDEN_ANGLE * jnp.arange(num)
-    return jnp.stack([radius * jnp.cos(angle), radius * jnp.sin(angle), z], axis=-1)
 
 
 def random_points(key: PRNGKeyArray, num: int) -> Float[Array, "num 3"]:

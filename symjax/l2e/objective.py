@@ -12,17 +12,17 @@ from jaxtyping import Array, Float
 Vector = Float[Array, "3"]
 Scalar = Float[Array, ""]
 Real = float | Scalar
-Pairs = Float[Array, "n 3"]
+PairEnds = Float[Array, "n 3"]
 
 _MAX_EXPONENT = 80.0  # exp of it is finite in float32
 
 
-def _along(points: Pairs, v: Vector) -> Float[Array, "n"]:
+def _along(points: PairEnds, v: Vector) -> Float[Array, "n"]:
     """Products v · p_i by elementwise products: a float32 matrix product would run in TF32 on a GPU."""
     return points[:, 0] * v[0] + points[:, 1] * v[1] + points[:, 2] * v[2]
 
 
-def squared_residuals(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array, "n"]:
+def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
     """f_i = ‖r_i‖² on the sphere, in the form without cancellation: 4[(m_i·v − ω)² + ‖h_i − (h_i·v)v‖²].
 
     m_i = (x_i + y_i)/2 and h_i = (y_i − x_i)/2. Equal to the paper's polynomial where ‖v‖ = 1; off the sphere
@@ -34,7 +34,7 @@ def squared_residuals(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array
     return 4 * ((_along(m, v) - omega) ** 2 + across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
 
 
-def polynomial_f(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array, "n"]:
+def polynomial_f(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
     """f_i as printed before Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ.
 
     It loses digits to cancellation; `squared_residuals` is the form to compute with.
@@ -43,17 +43,17 @@ def polynomial_f(v: Vector, omega: Real, x: Pairs, y: Pairs) -> Float[Array, "n"
     return 4 * _along(x, v) * _along(y, v) + square - 4 * omega * _along(x + y, v) + 4 * omega**2
 
 
-def l2e_weights(v: Vector, omega: Real, sigma: Real, x: Pairs, y: Pairs) -> Float[Array, "n"]:
+def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
     """exp(−f_i/2σ²): 1 for a pair that the plane mirrors exactly, 0 for an outlier."""
     return jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
 
 
-def l2e_objective(v: Vector, omega: Real, sigma: Real, x: Pairs, y: Pairs) -> Scalar:
+def l2e_objective(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Scalar:
     """f(v, ω) of Eq. 5, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
     return 2 * jnp.mean(l2e_weights(v, omega, sigma, x, y)) / (2 * math.pi * sigma**2) ** 1.5
 
 
-def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: Pairs, y: Pairs) -> tuple[Vector, Scalar]:
+def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> tuple[Vector, Scalar]:
     """The closed forms of the paper: (∇_v f, ∂f/∂ω) of the `l2e_objective`, as sums over the pairs.
 
     ∇_v f is Euclidean, of the polynomial f_i; its projection onto the tangent plane at v is the Riemannian
@@ -72,8 +72,8 @@ def l2e_loss(
     v: Vector,
     omega: Real,
     sigma: Real,
-    x: Pairs,
-    y: Pairs,
+    x: PairEnds,
+    y: PairEnds,
     *,
     weights: Float[Array, "n"] | None = None,
 ) -> Scalar:
@@ -105,8 +105,8 @@ def log_objective(
     v: Vector,
     omega: Real,
     sigma: Real,
-    x: Pairs,
-    y: Pairs,
+    x: PairEnds,
+    y: PairEnds,
     *,
     weights: Float[Array, "n"] | None = None,
 ) -> Scalar:
@@ -128,8 +128,8 @@ def scaled_log_loss(
     v: Vector,
     omega: Real,
     sigma: Real,
-    x: Pairs,
-    y: Pairs,
+    x: PairEnds,
+    y: PairEnds,
     *,
     weights: Float[Array, "n"] | None = None,
 ) -> Scalar:

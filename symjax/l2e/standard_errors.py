@@ -7,12 +7,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
+from symjax.errors import InvalidArgumentError
+from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.fit import Fit
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
-from symjax.l2e.pairs.normalized import normalised
-from symjax.l2e.pairs.padded import Pairs, given_pairs
+from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
+from symjax.l2e.pairs.precision import float64_as_given
+from symjax.l2e.pairs.unscale import FRACTION
 
 
 class StandardErrors(NamedTuple):
@@ -29,6 +33,7 @@ class StandardErrors(NamedTuple):
     inlier_fraction: float
 
 
+@float64_as_given
 def standard_errors(
     fit: Fit,
     x: Float[ArrayLike, "n 3"],
@@ -49,26 +54,30 @@ def standard_errors(
         weights: weights of the pairs.
 
     Raises:
+        InvalidArgumentError: for several fits at once.
         SymjaxError: see `fit_plane`.
     """
-    pairs = given_pairs(x, y, weights)
+    if shape := np.shape(fit.loss):
+        raise InvalidArgumentError(f"these are fits of shape {shape}: standard errors are of one fit at a time")
+    pairs = pad_pairs(x, y, weights)
     centre, covariance = (np.asarray(part, float) for part in _sandwich(fit, pairs))
     tangents = np.asarray(tangent_basis(jnp.asarray(fit.plane.normal))).T
     variances = np.diag(covariance)
     plane = Uncertainty(covariance[:3, :3], tangents, centre)
-    return StandardErrors(plane, float(fit.sigma * np.sqrt(variances[3])), float(np.sqrt(variances[4])))
+    return StandardErrors(plane, float(fit.sigma) * float(np.sqrt(variances[3])), float(np.sqrt(variances[4])))
 
 
 @jax.jit
-def _sandwich(fit: Fit, pairs: Pairs) -> tuple[Float[Array, "3"], Float[Array, "5 5"]]:
+def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Array, "5 5"]]:
     """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
-    problem = normalised(pairs.x, pairs.y, pairs.weights)
-    x, y, weights, centre, radius = problem
-    sigma = fit.sigma / radius
-    v = jnp.asarray(fit.plane.normal)
-    omega = (jnp.asarray(fit.plane.offset) - jnp.sum(v * centre)) / radius
-    point = jnp.concatenate([v, jnp.stack([omega, jnp.log(sigma), fit.inlier_fraction])])
+    x, y, weights, to_given = normalize_pairs(pairs.x, pairs.y, pairs.weights)
+    normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
+    v, omega = (jnp.asarray(part) for part in to_given.inverse().plane(Plane(normal, offset)))
+    sigma = sigma / to_given.scale
     kernel = weights * jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
+    # not cut to 1, as `Fit.inlier_fraction` is: it is where the criterion is stationary
+    share = FRACTION * jnp.sum(kernel) / jnp.sum(weights)
+    point = jnp.concatenate([v, jnp.stack([omega, jnp.log(sigma), share])])
     middle = jnp.sum(kernel[:, None] * 0.5 * (x + y), axis=0) / jnp.sum(kernel)
 
     def terms(t: Float[Array, "5"]) -> Float[Array, "n"]:
@@ -89,9 +98,7 @@ def _sandwich(fit: Fit, pairs: Pairs) -> tuple[Float[Array, "3"], Float[Array, "
     both = free[:, None] & free[None, :]
     bread = jnp.linalg.inv(jnp.where(both, hessian, jnp.eye(5, dtype=x.dtype)))
     meat = jnp.dot(gradients.T, gradients, precision="highest")
-    used = jnp.sum(weights > 0)
+    used = jnp.sum(weights > 0, dtype=x.dtype)
     covariance = bread @ meat @ bread * (used / jnp.maximum(used - 5, 1))
-    units = jnp.stack(
-        [jnp.ones_like(radius), jnp.ones_like(radius), radius, jnp.ones_like(radius), jnp.ones_like(radius)]
-    )
-    return centre + radius * middle, covariance * units[:, None] * units[None, :]
+    units = jnp.ones(5, x.dtype).at[2].set(to_given.scale)
+    return jnp.asarray(to_given.points(middle)), covariance * units[:, None] * units[None, :]

@@ -9,34 +9,33 @@ import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Float, Int, PRNGKeyArray
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.directions import fibonacci
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit
-from symjax.l2e.fit_plane import MAX_STEPS, checked_limits
-from symjax.l2e.manifolds import fibonacci, normalise, random_points
+from symjax.l2e.manifolds import normalise, random_points
 from symjax.l2e.pairs.arguments import checked_name, checked_normals, checked_sigmas
-from symjax.l2e.pairs.normalized import Problem, normalised
-from symjax.l2e.pairs.padded import Pairs, given_pairs
-from symjax.l2e.pairs.unscale import answered
-from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve
-from symjax.l2e.solvers.batched import WIDTH, Make, sharded
-from symjax.l2e.solvers.registry import SOLVERS
-from symjax.l2e.starts.hypotheses import distinct, hypotheses, lift, screened
+from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs
+from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
+from symjax.l2e.pairs.precision import float64_as_given
+from symjax.l2e.pairs.unscale import unscale
+from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
+from symjax.l2e.solvers.batched import NUM_SLOTS, Make, solve_sharded
+from symjax.l2e.solvers.names import AnySolver
+from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
+from symjax.l2e.starts.hypotheses import offset_search, pair_hypotheses, plane_nms, rank_hypotheses
 from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.starts.names import STARTS
 
 RESTARTS = 64
 PATHS = 32
 """Distinct planes that a continuation follows from one σ to the next."""
 
-STARTS = (*NORMALS, "fibonacci", "random", "hypotheses")
-"""The starts by name."""
-
 
 class _Options(NamedTuple):
     """What a sweep is compiled for."""
 
-    solver: str
-    line_search: str
+    solver: AnySolver
     start: str | None
     restarts: int
     continuation: bool
@@ -44,69 +43,71 @@ class _Options(NamedTuple):
 
 @partial(jax.jit, static_argnames="options")
 def _sweep(
-    pairs: Pairs, sigmas: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
+    pairs: PaddedPairs, sigmas: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
 ) -> Fit:
-    problem = normalised(pairs.x, pairs.y, pairs.weights)
-    scaled = sigmas / problem.radius
-    constant, scales = jax.lax.stop_gradient((problem, scaled))
+    normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
+    scaled = sigmas / normalized.to_given.scale
+    constant, scales = jax.lax.stop_gradient((normalized, scaled))
     rows = features(*constant[:3], used=pairs.used)
-
     starts = _starts(constant, scales, v0s, options)
-    raised = lift(constant)
+    plane_at = offset_search(constant)
 
     def make(sigma: Float[Array, ""]) -> Solver:
-        solver = SOLVERS[options.solver](Criterion(rows, sigma), limits, options.line_search)
-        # a normal is given its offset as its lane begins: that too is then done in parallel, and in little memory
-        return solver._replace(init=lambda start: solver.init(start if len(start) == 4 else raised(start, sigma)))
+        # a normal is given its offset as its solve begins: that too is then done in parallel, and in little memory
+        solver = make_solver(options.solver, Criterion(rows, sigma), limits)
+        return with_start(solver, lambda start: start if len(start) == 4 else plane_at(start, sigma))
 
-    by_sigma = jax.vmap(jax.vmap(answered, (None, None, 0)), (None, 0, 0))
+    by_sigma = jax.vmap(jax.vmap(unscale, (None, None, 0, 0)), (None, 0, 0, 0))
     if options.continuation:
-        found, lane = _followed(make, constant, scales, starts[jnp.argmax(scales)])
-        fits = by_sigma(problem, scaled, found)
-        return jax.tree.map(lambda leaf: jax.vmap(lambda row, which: row[which])(leaf, lane), fits)
-    lanes = jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, starts.shape[-1])
-    found = jax.tree.map(lambda leaf: leaf.reshape(*starts.shape[:2], *leaf.shape[1:]), sharded(make, *lanes))
-    return by_sigma(problem, scaled, found)
+        minima, row = _continuation(make, constant, scales, starts[jnp.argmax(scales)])
+        fits = by_sigma(normalized, scaled, minima, None)
+        return jax.tree.map(lambda leaf: jax.vmap(lambda of_sigma, row: of_sigma[row])(leaf, row), fits)
+    found = solve_sharded(make, jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, starts.shape[-1]))
+    found = jax.tree.map(lambda leaf: leaf.reshape(*starts.shape[:2], *leaf.shape[1:]), found)
+    return by_sigma(normalized, scaled, *found)
 
 
 def _starts(
-    problem: Problem, scales: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, options: _Options
+    pairs: NormalizedPairs, scales: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, options: _Options
 ) -> Float[Array, "S R d"]:
     """The normals, or the planes (d = 4), to start from at every σ."""
     if options.start == "hypotheses":
-        proposed = hypotheses(problem)
-        return jax.lax.map(lambda sigma: screened(proposed, problem, sigma, num=options.restarts), scales)
+        proposed = pair_hypotheses(pairs)
+        return jax.lax.map(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=options.restarts), scales)
     if v0s is None:
-        v0s = NORMALS[options.start or "rga"](problem.x, problem.y, weights=problem.weights)[None]
+        v0s = NORMALS[options.start or "rga"](pairs.x, pairs.y, weights=pairs.weights)[None]
     v0s = jax.vmap(normalise)(jax.lax.stop_gradient(v0s))
     return jnp.broadcast_to(v0s[None], (len(scales), *v0s.shape))
 
 
-def _followed(
-    make: Make, problem: Problem, scales: Float[Array, "S"], starts: Float[Array, "R d"]
+def _continuation(
+    make: Make, pairs: NormalizedPairs, scales: Float[Array, "S"], starts: Float[Array, "R d"]
 ) -> tuple[Minimum, Int[Array, "S R"]]:
     """The optima of a continuation, from the largest σ to the smallest.
 
-    From the starts, the best distinct planes at the largest σ; from then on, their optima at the last σ and the
-    hypotheses screened anew, since plain warm starts follow the wrong plane where outliers have a structure.
+    It takes the best distinct planes that the starts reach at the largest σ. From then on it starts from their optima
+    at the last σ, and from the hypotheses ranked anew, since plain warm starts follow the wrong plane where outliers
+    have a structure.
 
     Returns:
-        At every σ all optima, and which of them each start's is: its path's, or the best of the screened if that is
+        At every σ all optima, and which of them each start's is: its path's, or the best of the hypotheses' if that is
         better.
     """
     order = jnp.argsort(-scales)
-    proposed = hypotheses(problem)
+    proposed = pair_hypotheses(pairs)
     num_paths = min(PATHS, len(starts))
     solver = make(scales[order[0]])
     # no more of them at a time than step together elsewhere: their weights take the memory
-    begun = jax.lax.map(lambda start: solver.finish(solver.init(start)), starts, batch_size=min(WIDTH, len(starts)))
-    first = distinct(begun.point, begun.value, num_paths)
+    begun, _ = jax.lax.map(
+        lambda start: solver.finish(solver.init(start)), starts, batch_size=min(NUM_SLOTS, len(starts))
+    )
+    first = plane_nms(begun.point, begun.value, num_paths)
     cosine = jnp.abs(jnp.sum(begun.point[:, None, :3] * begun.point[None, first, :3], axis=2))
     path = jnp.argmax(cosine, axis=1)
 
     def follow(paths: Float[Array, "K 4"], sigma: Float[Array, ""]) -> tuple[Array, tuple[Minimum, Array]]:
-        here = jnp.concatenate([paths, screened(proposed, problem, sigma)])
-        found = jax.vmap(partial(solve, make(sigma)))(here)
+        here = jnp.concatenate([paths, rank_hypotheses(proposed, pairs, sigma)])
+        found, _ = jax.vmap(partial(solve, make(sigma)))(here)
         value = jnp.where(jnp.isfinite(found.value), found.value, jnp.inf)
         best = num_paths + jnp.argmin(value[num_paths:])
         return found.point[:num_paths], (found, jnp.where(value[path] <= value[best], path, best))
@@ -116,6 +117,7 @@ def _followed(
     return jax.tree.map(lambda leaf: leaf[back], followed)
 
 
+@float64_as_given
 def sweep(
     x: Float[ArrayLike, "n 3"],
     y: Float[ArrayLike, "n 3"],
@@ -125,8 +127,7 @@ def sweep(
     restarts: int = RESTARTS,
     key: PRNGKeyArray | None = None,
     weights: Float[ArrayLike, "n"] | None = None,
-    solver: str = "newton",
-    line_search: str = "armijo",
+    solver: AnySolver = "newton",
     continuation: bool = False,
     max_steps: int = MAX_STEPS,
     tol: float | None = None,
@@ -144,11 +145,10 @@ def sweep(
         key: of the random starts.
         weights: nonnegative weights of the pairs.
         solver: see `fit_plane`.
-        line_search: see `fit_plane`.
         continuation: go from the largest σ to the smallest, each from the optima of the last. Many times cheaper.
             The starts count at the largest σ, where the best distinct of them are taken; at every σ the hypotheses
-            are screened again, and a start's fit is its path's optimum or the best screened one, whichever is
-            better: it shows the best plane at every σ, not the basins.
+            are ranked again, and a start's fit is its path's optimum or the best that a hypothesis reaches, whichever
+            is better: it shows the best plane at every σ, not the basins.
         max_steps: see `fit_plane`.
         tol: see `fit_plane`.
 
@@ -158,17 +158,19 @@ def sweep(
     Raises:
         SymjaxError: see `fit_plane`.
     """
-    pairs = given_pairs(x, y, weights)
+    pairs = pad_pairs(x, y, weights)
     dtype = pairs.x.dtype
-    limits = checked_limits(solver, line_search, max_steps, tol, dtype)
+    limits = checked_limits(solver, max_steps, tol, dtype)
     scales = checked_sigmas(sigmas, 1, dtype)
     start = v0s if isinstance(v0s, str) else None
-    normals = _named(start, restarts, key, dtype) if isinstance(v0s, str) else checked_normals(v0s, 2, dtype)
-    options = _Options(solver, line_search, start if normals is None else None, restarts, continuation)
+    normals = _named_normals(start, restarts, key, dtype) if isinstance(v0s, str) else checked_normals(v0s, 2, dtype)
+    options = _Options(solver, start if normals is None else None, restarts, continuation)
     return _sweep(pairs, scales, normals, limits, options)
 
 
-def _named(start: str | None, restarts: int, key: PRNGKeyArray | None, dtype: Any) -> Float[Array, "R 3"] | None:
+def _named_normals(
+    start: str | None, restarts: int, key: PRNGKeyArray | None, dtype: Any
+) -> Float[Array, "R 3"] | None:
     """The starting normals of a name that needs no pairs."""
     checked_name("v0s", str(start), STARTS)
     if restarts < 1:
@@ -176,7 +178,7 @@ def _named(start: str | None, restarts: int, key: PRNGKeyArray | None, dtype: An
     if (start == "random") != (key is not None):
         raise InvalidArgumentError("v0s='random' takes a key, jax.random.key(seed), and no other start does")
     if start == "fibonacci":
-        return fibonacci(restarts).astype(dtype)
+        return jnp.asarray(fibonacci(restarts), dtype)
     return random_points(key, restarts).astype(dtype) if key is not None else None
 
 
@@ -199,4 +201,5 @@ def sweep_clouds(
     fits = [sweep(x, y, *args, **options) for x, y in clouds]
     if not fits:
         raise InvalidArgumentError("there is no cloud to sweep")
-    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *fits)
+    # NumPy's float64 fits stay in NumPy
+    return jax.tree.map(lambda *leaves: leaves[0].__array_namespace__().stack(leaves), *fits)

@@ -3,13 +3,12 @@
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
 from symjax import __version__
 from symjax.errors import InvalidArgumentError
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status
 
 if TYPE_CHECKING:
     import xarray
@@ -18,9 +17,6 @@ if TYPE_CHECKING:
 
 DIMENSIONS = ("cloud", "sigma", "restart")
 """Those of `sweep_clouds`; `sweep` has no clouds."""
-
-STATUSES = ("successful", "max_steps_reached", "stalled", "flat", "nonfinite", "unsupported")
-"""The members of `RESULTS`."""
 
 ULPS = 64
 """σ is scaled and scaled back for every cloud: values this near, in units of rounding, are one σ."""
@@ -46,10 +42,11 @@ def require_xarray() -> None:
 def dataset(fit: "Fit") -> "xarray.Dataset":
     """The fits of a sweep as a dataset that netCDF can hold (`to_netcdf(path, engine="scipy")`).
 
-    Dimensions are (sigma, restart), or (cloud, sigma, restart) of `sweep_clouds`. The variables are those of `Fit`,
-    with the plane as `normal` (along `xyz`) and `offset`, and how a solve ended as `converged` and `status`, a number
-    that its attributes explain. σ is the coordinate `sigma`; where it differs between clouds, that dimension has no
-    coordinate of its own, and σ is the coordinate `scale` along (cloud, sigma).
+    Dimensions are (sigma, restart), or (cloud, sigma, restart) of `sweep_clouds`. The variables are those of `Fit`:
+    the plane is `normal` (along `xyz`) and `offset`, its start `start_normal` and `start_offset` (a continuation has
+    none), and how a solve ended `converged` and `status`, a number that its attributes explain. σ is the coordinate
+    `sigma`; where it differs between clouds, that dimension has no coordinate of its own, and σ is the coordinate
+    `scale` along (cloud, sigma).
 
     Args:
         fit: fits with axes (S, R) or (C, S, R).
@@ -65,41 +62,41 @@ def dataset(fit: "Fit") -> "xarray.Dataset":
         raise InvalidArgumentError(
             f"fits with axes {shape} are no sweep: a dataset takes (sigma, restart) or (cloud, sigma, restart)"
         )
-    lanes = DIMENSIONS[-len(shape) :]
+    dims = DIMENSIONS[-len(shape) :]
     values = {name: np.asarray(getattr(fit, name)) for name in _MEANING if name != "offset"}
     values["offset"] = np.asarray(fit.plane.offset)
     variables: dict[str, Any] = {
-        "normal": ((*lanes, "xyz"), np.asarray(fit.plane.normal), {"long_name": "unit normal of the plane"}),
+        "normal": ((*dims, "xyz"), np.asarray(fit.plane.normal), {"long_name": "unit normal of the plane"}),
         **{
-            name: (lanes, values[name], {"long_name": meaning, "units": units})
+            name: (dims, values[name], {"long_name": meaning, "units": units})
             for name, (meaning, units) in _MEANING.items()
         },
-        "converged": (lanes, np.asarray(fit.converged), {"long_name": "whether the solver converged"}),
-        "status": (lanes, _codes(fit.result), _flags()),
+        "converged": (dims, np.asarray(fit.converged), {"long_name": "whether the solver converged"}),
+        "status": (dims, np.asarray(fit.status).astype(np.int8), _flags()),
     }
-    coordinates: dict[str, Any] = {name: np.arange(size) for name, size in zip(lanes, shape, strict=True)}
+    if fit.start is not None:
+        of_start = {"long_name": "unit normal of the plane that the solver began with"}
+        variables["start_normal"] = ((*dims, "xyz"), np.asarray(fit.start.normal), of_start)
+        of_start = {"long_name": "offset of that plane", "units": "units of the points"}
+        variables["start_offset"] = (dims, np.asarray(fit.start.offset), of_start)
+    coordinates: dict[str, Any] = {name: np.arange(size) for name, size in zip(dims, shape, strict=True)}
     del coordinates["sigma"]
     coordinates["xyz"] = ["x", "y", "z"]
     attributes = {"title": "mirror planes normal . x = offset", "source": f"symjax {__version__}"}
     return xarray.Dataset(variables, coordinates | _scales(np.asarray(fit.sigma)), attributes)
 
 
-def _codes(result: RESULTS) -> np.ndarray:
-    return np.asarray(jax.tree.leaves(result)[0]).astype(np.int8)
-
-
 def _flags() -> dict[str, Any]:
     """What the numbers of `status` mean, as the CF conventions write it, and in sentences."""
-    members = [getattr(RESULTS, name) for name in STATUSES]
     return {
         "long_name": "how the solve ended",
-        "flag_values": np.array([_codes(member) for member in members]),
-        "flag_meanings": " ".join(STATUSES),
-        "comment": "\n".join(f"{name}: {sentence(member)}" for name, member in zip(STATUSES, members, strict=True)),
+        "flag_values": np.array(list(Status), np.int8),
+        "flag_meanings": " ".join(member.name.lower() for member in Status),
+        "comment": "\n".join(f"{member.name.lower()}: {member.sentence}" for member in Status),
     }
 
 
-def _scales(sigma: Float[np.ndarray, "*lanes"]) -> dict[str, Any]:
+def _scales(sigma: Float[np.ndarray, "*batch"]) -> dict[str, Any]:
     """The coordinate of σ, to the digits that its type holds, so that a decimal fraction is found as it was given."""
     rounding = np.finfo(sigma.dtype)
     low, high = sigma.min(axis=-1), sigma.max(axis=-1)

@@ -18,7 +18,7 @@ from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.solvers.base import Minimum
 from symjax.l2e.solvers.rbfgs import minimize
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status
 from symjax.robust.covariance import clustered_covariance, mirror_clusters
 from symjax.robust.quadrics import Quadrics
 from symjax.robust.surface import Surface
@@ -133,7 +133,7 @@ def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
         flat = data._replace(coefficients=jnp.zeros_like(data.coefficients))
         slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), of))[: len(weight)] for of in (data, flat))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
-        converged = bool(np.asarray(solution.result == RESULTS.successful))
+        status = Status(int(solution.status))
     refined = Plane(z[:3], z[3])
     kernel = weight * np.exp(-0.5 * (residual / last) ** 2)
     covariance = clustered_covariance(
@@ -143,7 +143,7 @@ def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
         mirror_clusters(refined, surface.points, CLUSTER_SIDE * float(np.median(quadrics.reach))),
     )
     uncertainty = Uncertainty(INFLATION * covariance, basis[:3, :2].T, np.zeros(3))
-    return Refinement(refined, uncertainty, last, converged, str(sentence(solution.result)))
+    return Refinement(refined, uncertainty, last, status == Status.SUCCESSFUL, status.sentence)
 
 
 def _paired(

@@ -32,15 +32,15 @@ def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
 
 
 def as_dataset(sweep: ScaleSweep) -> "xarray.Dataset":
-    """`Fit.to_xarray` of the fits, with σ as a fraction of the diagonal, the starts, and the ranks of the optima."""
-    each = ("sigma", "restart")
+    """`Fit.to_xarray` of the fits, with σ as a fraction of the diagonal too, and the ranks of the optima."""
     data = dataset(sweep.fits).assign_coords(
         fraction=("sigma", sweep.fractions, {"long_name": "sigma as a fraction of the diagonal", "units": "1"})
     )
-    data["rank"] = (each, sweep.rank, {"long_name": "rank by loss of the optimum reached, 0 the best, -1 none"})
-    if sweep.starts is not None:
-        data["start_normal"] = ((*each, "xyz"), sweep.starts.normal, {"long_name": "unit normal of the start"})
-        data["start_offset"] = (each, sweep.starts.offset, {"long_name": "offset of the start"})
+    data["rank"] = (
+        ("sigma", "restart"),
+        sweep.rank,
+        {"long_name": "rank by loss of the optimum reached, 0 the best, -1 none"},
+    )
     found = sweep.estimated
     data.attrs |= {
         "diagonal": sweep.pairs.diagonal,
@@ -70,9 +70,9 @@ def _write_csv(sweep: ScaleSweep, path: Path) -> None:
         "grad_norm": fits.grad_norm,
         "inlier_fraction": fits.inlier_fraction,
     }
-    if sweep.starts is not None:
-        columns |= {f"start_normal_{axis}": sweep.starts.normal[..., i] for i, axis in enumerate(AXES)}
-        columns["start_offset"] = sweep.starts.offset
+    if fits.start is not None:
+        columns |= {f"start_normal_{axis}": fits.start.normal[..., i] for i, axis in enumerate(AXES)}
+        columns["start_offset"] = fits.start.offset
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(columns)

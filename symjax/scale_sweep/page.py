@@ -38,7 +38,7 @@ def write_html(sweep: "ScaleSweep", path: str | os.PathLike[str], *, title: str 
     Raises:
         InvalidArgumentError: the file cannot be written.
     """
-    notes = (*sweep.pairs.notes, NO_BASINS if sweep.starts is None else BASINS)
+    notes = (*sweep.pairs.notes, NO_BASINS if sweep.fits.start is None else BASINS)
     write_page(figure(sweep), path, title=title, notes=notes)
 
 

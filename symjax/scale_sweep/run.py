@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 
 from symjax.geometry.plane import Plane
 from symjax.l2e.fit import Fit, best
-from symjax.l2e.fit_plane import MAX_STEPS, fit_global
+from symjax.l2e.fit_global import fit_global
 from symjax.l2e.starts.initialization import NORMALS
 from symjax.l2e.sweep import sweep
 from symjax.scale_sweep.optima import ranks
@@ -46,7 +46,6 @@ class ScaleSweep(NamedTuple):
         fractions: σ as fractions of the diagonal.
         fits: the fits.
         rank: rank by loss of the optimum that each reached, at its σ (`symjax.scale_sweep.optima`).
-        starts: the planes that they began with; None of a continuation.
         best: the best fit at every σ.
         estimated: the best fit of all, σ estimated with the plane.
     """
@@ -56,7 +55,6 @@ class ScaleSweep(NamedTuple):
     fractions: Float[np.ndarray, "S"]
     fits: Fit
     rank: Int[np.ndarray, "S R"]
-    starts: Plane | None
     best: Fit
     estimated: Fit
 
@@ -84,18 +82,16 @@ def scale_sweep(
     sigmas = np.asarray(fractions, float) * pairs.diagonal
     if options.start in NORMALS:
         options = options._replace(restarts=1)
-    with jax.enable_x64(True):
-        starts, fits = _swept(pairs, sigmas, options, stage, advance)
-        stage("estimating sigma")
-        estimated = _known(fit_global(pairs.x, pairs.y, "auto"))
-        winners = _known(best(fits))
+    fits = _swept(pairs, sigmas, options, stage, advance)
+    stage("estimating sigma")
+    estimated = _known(fit_global(pairs.x, pairs.y, "auto"))
     rank = np.stack(
         [
             ranks(Plane(*planes), loss, converged, centre=pairs.centre, diagonal=pairs.diagonal)
             for *planes, loss, converged in zip(*fits.plane, fits.loss, np.asarray(fits.converged), strict=True)
         ]
     )
-    return ScaleSweep(pairs, options, np.asarray(fractions, float), fits, rank, starts, winners, estimated)
+    return ScaleSweep(pairs, options, np.asarray(fractions, float), fits, rank, best(fits), estimated)
 
 
 def _swept(
@@ -104,14 +100,14 @@ def _swept(
     options: Options,
     stage: Callable[[str], None],
     advance: Callable[[int, int], None],
-) -> tuple[Plane | None, Fit]:
-    """The starts and the fits, from sweeps of one compiled shape."""
+) -> Fit:
+    """The fits, from sweeps of one compiled shape."""
     is_whole = options.continuation
     parts = -(-len(sigmas) * options.restarts // SLOTS)
     size = len(sigmas) if is_whole else -(-len(sigmas) // min(parts, len(sigmas)))
     key = jax.random.key(options.seed) if options.start == "random" else None
 
-    def run(some: Float[np.ndarray, "s"], max_steps: int) -> Fit:
+    def run(some: Float[np.ndarray, "s"]) -> Fit:
         padded = np.concatenate([some, np.repeat(some[-1:], size - len(some))])
         fits = sweep(
             pairs.x,
@@ -122,26 +118,17 @@ def _swept(
             key=key,
             solver=options.solver,
             continuation=options.continuation,
-            max_steps=max_steps,
         )
         return jax.tree.map(lambda leaf: leaf[: len(some)], _known(fits))
 
-    stage("compiling")
-    # a sweep of no step ends where it began
-    begun = [run(sigmas[first : first + size], 0) for first in range(0, len(sigmas), size)]
     stage("sweeping sigma")
     advance(0, len(sigmas))
     fits = []
     for first in range(0, len(sigmas), size):
-        fits.append(run(sigmas[first : first + size], MAX_STEPS))
+        fits.append(run(sigmas[first : first + size]))
         advance(min(first + size, len(sigmas)), len(sigmas))
-    starts = None if is_whole else _joined(begun).plane
-    return starts, _joined(fits)
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *fits)
 
 
 def _known(fits: Fit) -> Fit:
     return jax.tree.map(np.asarray, fits)
-
-
-def _joined(parts: list[Fit]) -> Fit:
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)

@@ -82,7 +82,7 @@ class SphereMap:
 
     def at(self, index: int) -> list[dict[str, Any]]:
         """Cells, starts and optima, three traces, at the σ of this index."""
-        starts = self._sweep.starts
+        starts = self._sweep.fits.start
         if starts is None:
             normals, rank = np.zeros((0, 3)), np.zeros(0, int)
         else:

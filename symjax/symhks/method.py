@@ -1,12 +1,13 @@
 """Algorithm 1 of the paper as a method: correspondences by Sym-HKS, then the L2E estimator from several starts."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 from scipy.stats import chi2
 
 from symjax.errors import InvalidArgumentError
+from symjax.l2e.solvers.names import AnySolver, check_solver
 from symjax.method.result import MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
@@ -38,7 +39,7 @@ class SymHKS(CorrespondenceOptions):
             alone: `"rga"`, `"pca"`, `"l2"`.
         restarts: number of starts, if they are `"all"`.
         solver: `"rbfgs"`, the paper's Riemannian BFGS; `"alternating"`, as the paper applies it; or another of
-            `fit_plane`: the same optimum.
+            `fit_plane`, such as a minimiser of optimistix: the same optimum.
 
     Example:
         >>> SymHKS(restarts=8).restarts
@@ -54,7 +55,7 @@ class SymHKS(CorrespondenceOptions):
     sigma_spacings: float = 1.4
     starts: Starts = "all"
     restarts: int = 64
-    solver: Any = "joint"
+    solver: AnySolver = "rbfgs"
 
     def __post_init__(self) -> None:
         """Raises InvalidArgumentError for an option out of its range."""
@@ -67,6 +68,7 @@ class SymHKS(CorrespondenceOptions):
             raise InvalidArgumentError(f"restarts must be at least 1, not {self.restarts}")
         if self.starts not in get_args(Starts):
             raise InvalidArgumentError(f"starts must be one of {', '.join(get_args(Starts))}, not {self.starts!r}")
+        check_solver(self.solver)
 
     @classmethod
     def as_printed(cls) -> "SymHKS":
@@ -77,16 +79,12 @@ class SymHKS(CorrespondenceOptions):
         """Finds the mirror plane of a cloud, see `Method.find`.
 
         Raises:
-            InvalidArgumentError: an unknown solver.
             SpectrumError: no eigenpairs.
             MatchingError: fewer than three pairs.
         """
         # what needs JAX is imported when a plane is fitted
-        from symjax.l2e.pairs.arguments import checked_name
-        from symjax.l2e.solvers.registry import SOLVERS
         from symjax.symhks.plane_fit import fit_candidates
 
-        checked_name("solver", self.solver, SOLVERS)
         matches = correspondences(cloud.points, normals=cloud.normals, options=self, timer=timer)
         sigma = self.sigma_spacings * matches.spacing if self.sigma is None else float(self.sigma)
         with timer.stage("fitting"):

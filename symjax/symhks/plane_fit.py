@@ -1,18 +1,19 @@
 """The plane of matched pairs: starts of the estimator, the distinct optima they reach, and a score to compare with."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
 from symjax.geometry.plane_nms import suppress
-from symjax.l2e import manifolds
 from symjax.l2e.fit import Fit
 from symjax.l2e.objective import l2e_weights
-from symjax.l2e.pairs.padded import Pairs, given_pairs
+from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
+from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.starts import initialization
 from symjax.l2e.sweep import sweep
 from symjax.method.result import Candidate
@@ -53,7 +54,7 @@ def fit_candidates(
     *,
     starts: str,
     restarts: int,
-    solver: Any,
+    solver: AnySolver,
     rng: np.random.Generator,
 ) -> CandidateFits:
     """Fits the plane of putative pairs from several starts, in float64.
@@ -69,7 +70,7 @@ def fit_candidates(
         rng: draws the random planes.
     """
     with jax.enable_x64(True):
-        pairs = given_pairs(x, y, None)
+        pairs = pad_pairs(x, y, None)
         fits = sweep(
             pairs.x,
             pairs.y,
@@ -84,7 +85,7 @@ def fit_candidates(
         return CandidateFits(candidates, weight, threshold, bool(first.converged), str(first.message))
 
 
-def _starts(pairs: Pairs, sigma: float, starts: str, restarts: int) -> Float[np.ndarray, "r 3"]:
+def _starts(pairs: PaddedPairs, sigma: float, starts: str, restarts: int) -> Float[np.ndarray, "r 3"]:
     """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
     named = np.asarray(_named_starts(pairs))[:restarts]
     if starts != "all":
@@ -92,20 +93,20 @@ def _starts(pairs: Pairs, sigma: float, starts: str, restarts: int) -> Float[np.
         return np.asarray(_named_starts(pairs))[row : row + 1]
     half = (restarts - len(named)) // 2
     # always as many of each, since every number of directions is compiled anew
-    voted = np.concatenate([_pair_normals(pairs, sigma, half), manifolds.fibonacci(max(half, 1))])[:half]
-    even = np.asarray(manifolds.fibonacci(max(restarts - len(named) - half, 1)))
+    voted = np.concatenate([_pair_normals(pairs, sigma, half), fibonacci(max(half, 1))])[:half]
+    even = fibonacci(max(restarts - len(named) - half, 1))
     return np.concatenate([named, voted, even])[:restarts]
 
 
 @jax.jit
-def _named_starts(pairs: Pairs) -> Float[Array, "3 3"]:
+def _named_starts(pairs: PaddedPairs) -> Float[Array, "3 3"]:
     x, y, weights, _ = pairs
     rga = initialization.rga_normal(x, y, weights=weights)
     pca = initialization.pca_normal(x, y, weights=weights)
     return jnp.stack([rga, pca, initialization.l2_plane(x, y, weights).normal])
 
 
-def _pair_normals(pairs: Pairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
+def _pair_normals(pairs: PaddedPairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
     """Normals of the planes that single pairs define, the best supported first, no two alike."""
     x, y, real, _ = (np.asarray(leaf) for leaf in pairs)
     step = y - x
@@ -116,7 +117,7 @@ def _pair_normals(pairs: Pairs, sigma: float, most: int) -> Float[np.ndarray, "r
     return normals[suppress(planes, order[real[order] > 0], angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)]
 
 
-def _distinct(fits: Fit, pairs: Pairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
+def _distinct(fits: Fit, pairs: PaddedPairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
     """The distinct optima of a sweep over starts, the converged first, then by loss; and the best one's fit."""
     row = jax.tree.map(lambda leaf: leaf[0], fits)
     loss = np.asarray(row.loss)
@@ -143,17 +144,17 @@ def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng
     return Plane(normals, (normals * (x[row] + y[row]) / 2).sum(axis=1))
 
 
-def _weights(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p b"]:
+def _weights(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarray, "p b"]:
     return np.asarray(_all_weights(planes, jnp.asarray(sigma), pairs))
 
 
 @jax.jit
-def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: Pairs) -> Float[Array, "p b"]:
+def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: PaddedPairs) -> Float[Array, "p b"]:
     """L2E weight of every pair at every plane; zero for padding."""
     weigh = jax.vmap(lambda v, omega: l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights)
     return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
 
-def _scores(planes: Plane, sigma: float, pairs: Pairs) -> Float[np.ndarray, "p"]:
+def _scores(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarray, "p"]:
     """Mean L2E weight of the real pairs at every plane."""
     return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())

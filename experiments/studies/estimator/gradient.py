@@ -21,8 +21,10 @@ from experiments.framework.study import Study
 from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit import Fit
-from symjax.l2e.fit_plane import AUTO, fit_global, fit_plane
-from symjax.l2e.solvers.registry import SOLVERS
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.fit_plane import fit_plane
+from symjax.l2e.pairs.arguments import AUTO
+from symjax.l2e.solvers.names import SOLVER_NAMES
 
 STEP = 1e-4
 """Of central differences of the fourth order."""
@@ -69,7 +71,7 @@ def _fits(config: Config, normal: Float[np.ndarray, "3"]) -> dict[str, Callable[
         tol = 1e-8 if solver == "alternating" else 1e-12
         return lambda given: fit(fit_plane, given, normal, solver=solver, tol=tol, max_steps=500)
 
-    named = {f"fit_plane {solver}": by(solver) for solver in SOLVERS}
+    named = {f"fit_plane {solver}": by(solver) for solver in SOLVER_NAMES}
     named["fit_plane from -v"] = lambda given: fit(fit_plane, given, -normal, tol=1e-12)
     named["fit_global"] = lambda given: fit(fit_global, given, tol=1e-12)
     named["fit_global with sigma auto"] = lambda given: fit(fit_global, given, sigma=AUTO, tol=1e-12)

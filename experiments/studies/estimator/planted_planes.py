@@ -8,8 +8,8 @@ import symjax
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
 from symjax.geometry import distance
 from symjax.geometry.arrays import AnyArray
+from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
-from symjax.l2e import manifolds
 from symjax.l2e.starts import initialization
 
 AWAY = 1.5
@@ -40,7 +40,7 @@ def pairs(seed: list[int], num_pairs: int, outliers: float, blob: str, place: st
 def planes(x: Float[AnyArray, "n 3"], y: Float[AnyArray, "n 3"], sigma: float, restarts: int = 64) -> dict[str, Plane]:
     """The plane of every one of `METHODS`. Call it under `jax.enable_x64(True)` for float64."""
     x, y = jnp.asarray(x), jnp.asarray(y)
-    swept = symjax.best(symjax.sweep(x, y, [sigma], manifolds.fibonacci(restarts))).plane
+    swept = symjax.best(symjax.sweep(x, y, [sigma], fibonacci(restarts))).plane
     found = (
         symjax.fit_plane(x, y, sigma).plane,
         Plane(swept.normal[0], swept.offset[0]),

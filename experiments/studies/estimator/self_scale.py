@@ -13,7 +13,9 @@ from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import NOISE, planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
-from symjax.l2e.fit_plane import AUTO, fit_global, fit_plane
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.fit_plane import fit_plane
+from symjax.l2e.pairs.arguments import AUTO
 from symjax.l2e.standard_errors import standard_errors
 
 

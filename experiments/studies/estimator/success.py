@@ -19,10 +19,11 @@ from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs
 from symjax.geometry.directions import deviation_angle
 from symjax.l2e.fit import Fit, best
-from symjax.l2e.fit_plane import fit_global
+from symjax.l2e.fit_global import fit_global
 from symjax.l2e.manifolds import random_points
-from symjax.l2e.solvers.registry import SOLVERS
-from symjax.l2e.sweep import STARTS, sweep
+from symjax.l2e.solvers.names import SOLVER_NAMES
+from symjax.l2e.starts.names import STARTS
+from symjax.l2e.sweep import sweep
 
 SUCCESS = 5.0
 """Degrees within which the planted plane is found."""
@@ -123,7 +124,9 @@ def _starts(config: Config) -> Iterator[Row]:
     kinds = {"random outliers": [planted_pairs(np.random.default_rng([s, 3]), size, 0.8) for s in range(config.seeds)]}
     kinds["half structured"] = [structured(seed, size, 0.8) for seed in range(config.seeds)]
     sigmas = [float(sigma) for sigma in config.scales.split(",")]
-    ways = [(start, "newton") for start in STARTS] + [("fibonacci", solver) for solver in SOLVERS if solver != "newton"]
+    ways = [(start, "newton") for start in STARTS] + [
+        ("fibonacci", solver) for solver in SOLVER_NAMES if solver != "newton"
+    ]
     for kind, sets in kinds.items():
         for start, solver in tqdm(ways, desc=kind, leave=False, disable=None):
             key = jax.random.key(0) if start == "random" else None

@@ -19,7 +19,7 @@ from experiments.framework.tables import Row
 from experiments.studies.estimator.checks import SIZES, Config, planted, row
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry import distance
-from symjax.l2e.manifolds import fibonacci
+from symjax.geometry.directions import fibonacci
 
 COMPILED = "/jax/core/compile/backend_compile_duration"
 
@@ -34,7 +34,7 @@ def transformations(config: Config) -> Iterator[Row]:
     """Fits under jit and vmap are those without."""
     p = planted(config)
     x, y = jnp.asarray(p.x), jnp.asarray(p.y)
-    starts = fibonacci(8)
+    starts = jnp.asarray(fibonacci(8))
 
     def fit(v0: Float[Array, "3"]) -> Float[Array, "4"]:
         plane = symjax.fit_plane(x, y, config.sigma, v0).plane
@@ -114,7 +114,7 @@ def compilations(config: Config) -> Iterator[Row]:
     """Compilations of a whole sweep, and of its repetition on other pairs, scales and starts."""
     # a number of pairs that nothing else has, or it would be compiled already
     p = planted_pairs(np.random.default_rng(config.seed), config.num_pairs + 7, 0.5, "thin")
-    starts = fibonacci(20)
+    starts = jnp.asarray(fibonacci(20))
     inputs = [(p.x, p.y, [0.03, 0.05, 0.1], starts), (p.x + 1, p.y + 1, [0.02, 0.04, 0.08], -starts)]
     as_arrays = [tuple(jax.block_until_ready(jnp.asarray(value)) for value in case) for case in inputs]
     for case, name, relation in zip(as_arrays, ("a sweep of 3 x 20 fits", "its repetition"), (1, 0), strict=True):

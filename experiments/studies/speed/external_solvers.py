@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import Problem
+from symjax.l2e.pairs.normalized import NormalizedPairs
 from symjax.l2e.solvers.rbfgs import minimize
 
 
@@ -21,14 +21,14 @@ class Task(NamedTuple):
     """A problem and where to start.
 
     Attributes:
-        problem: centred and scaled pairs.
+        pairs: centred and scaled pairs.
         sigma: scale σ.
         starts: planes (v, ω).
         max_steps: limit on the steps of every solve.
         tol: bound on the gradient.
     """
 
-    problem: Problem
+    pairs: NormalizedPairs
     sigma: Float[Array, ""]
     starts: Float[Array, "r 4"]
     max_steps: int
@@ -36,7 +36,7 @@ class Task(NamedTuple):
 
     def psi(self, z: Float[Array, "4"]) -> Float[Array, ""]:
         """The objective by the residuals as they are written."""
-        return scaled_log_loss(z[:3], z[3], self.sigma, self.problem.x, self.problem.y)
+        return scaled_log_loss(z[:3], z[3], self.sigma, self.pairs.x, self.pairs.y)
 
     def free(self, z: Float[Array, "4"]) -> Float[Array, ""]:
         """The same of a vector that is no unit normal yet, for solvers that know no sphere."""
@@ -63,7 +63,7 @@ def naive(task: Task) -> Lowest:
 
 def naive_from_normals(task: Task) -> Lowest:
     """The same from normals alone: the offset of each is the best of 31 quantiles of the mid-points' heights."""
-    x, y = task.problem.x, task.problem.y
+    x, y = task.pairs.x, task.pairs.y
     shares = (jnp.arange(OFFSETS) + 0.5) / OFFSETS
 
     def one(v: Float[Array, "3"]) -> Float[Array, ""]:

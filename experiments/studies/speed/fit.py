@@ -18,12 +18,11 @@ from experiments.framework.study import Study
 from experiments.framework.tables import Row
 from experiments.studies.speed import external_solvers
 from symjax.datasets.planted_pairs import planted_pairs
+from symjax.geometry.directions import fibonacci
 from symjax.l2e.fit import best
-from symjax.l2e.fit_plane import fit_global
-from symjax.l2e.manifolds import fibonacci
-from symjax.l2e.pairs.normalized import normalised
-from symjax.l2e.pairs.unscale import FRACTION
-from symjax.l2e.starts.hypotheses import lift
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.starts.hypotheses import offset_search
 from symjax.l2e.sweep import sweep
 
 OURS = "fit_global"
@@ -78,23 +77,24 @@ def run(config: Config) -> list[Row]:
 def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
     pairs = planted_pairs(np.random.default_rng(config.seed), num_pairs, config.outliers)
     x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
-    problem = normalised(x, y, jnp.ones(num_pairs))
-    sigma = config.sigma / problem.radius
+    normalized = normalize_pairs(x, y, jnp.ones(num_pairs))
+    sigma = jnp.asarray(config.sigma / normalized.to_given.scale)
     normals = fibonacci(config.restarts)
-    starts = jax.jit(jax.vmap(lambda v: lift(problem)(v, sigma)))(normals)
-    task = external_solvers.Task(problem, sigma, starts, config.max_steps, config.tol)
+    starts = jax.jit(jax.vmap(lambda v: offset_search(normalized)(v, sigma)))(normals)
+    task = external_solvers.Task(normalized, sigma, starts, config.max_steps, config.tol)
     options: dict[str, Any] = {"max_steps": config.max_steps, "tol": config.tol}
     fits = {
         OURS: lambda: fit_global(x, y, config.sigma, **options),
         "sweep, Newton": lambda: best(sweep(x, y, [config.sigma], normals, **options)),
-        "sweep, Riemannian BFGS": lambda: best(sweep(x, y, [config.sigma], normals, solver="joint", **options)),
+        "sweep, Riemannian BFGS": lambda: best(sweep(x, y, [config.sigma], normals, solver="rbfgs", **options)),
     }
     lowest = {NAIVE: external_solvers.naive(task), WHOLE: external_solvers.naive_from_normals(task)} | (
         external_solvers.available(task) if everyone else {}
     )
     seconds = interleaved({**fits, **lowest}, config.repeats)
-    # ψ = σ²(1 − log mean exp(−f/2σ²)), and f of Eq. 5 is that mean times a constant
-    log_f = {name: float(np.log(np.ravel(fit().inlier_fraction)[0] / FRACTION)) for name, fit in fits.items()}
+    # ψ = σ²(1 − log mean exp(−f/2σ²)), and the loss is a constant minus f of Eq. 5, which is that mean times a constant
+    constant, factor = (4 * np.pi * config.sigma**2) ** -1.5, 2 * (2 * np.pi * config.sigma**2) ** -1.5
+    log_f = {name: float(np.log((constant - np.ravel(fit().loss)[0]) / factor)) for name, fit in fits.items()}
     log_f |= {name: 1 - float(run() / sigma**2) for name, run in lowest.items()}
     rows = []
     for name, times in seconds.items():

@@ -21,8 +21,8 @@ from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.manifolds import random_points
 from symjax.l2e.objective import log_objective
-from symjax.l2e.pairs.normalized import normalised
-from symjax.l2e.solvers.batched import WIDTH
+from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.solvers.batched import NUM_SLOTS
 
 
 @dataclass(frozen=True)
@@ -75,26 +75,28 @@ def run(config: Config) -> list[Row]:
 def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
     pairs = planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin")
     x, y = (jnp.asarray(end, dtype) for end in (pairs.x, pairs.y))
-    problem = normalised(x, y, jnp.ones(config.num_pairs, dtype))
-    sigma = jnp.asarray(config.sigma, dtype) / problem.radius
+    normalized = normalize_pairs(x, y, jnp.ones(config.num_pairs, dtype))
+    sigma = jnp.asarray(config.sigma, dtype) / normalized.to_given.scale
     normals = random_points(jax.random.key(config.seed), config.planes).astype(dtype)
     offsets = 0.1 * jax.random.normal(jax.random.key(config.seed + 1), (config.planes, 1), dtype)
     planes = jnp.concatenate([normals, offsets], axis=1)
-    criterion = Criterion(features(problem.x, problem.y), sigma)
+    criterion = Criterion(features(normalized.x, normalized.y), sigma)
     exponents = -10 * jax.random.uniform(jax.random.key(2), (config.planes, config.num_pairs), dtype)
 
-    naive = jax.jit(jax.vmap(jax.value_and_grad(lambda z: log_objective(z[:3], z[3], sigma, problem.x, problem.y))))
+    naive = jax.jit(
+        jax.vmap(jax.value_and_grad(lambda z: log_objective(z[:3], z[3], sigma, normalized.x, normalized.y)))
+    )
     fast = jax.jit(jax.vmap(jax.value_and_grad(criterion.value)))
     expand = jax.jit(jax.vmap(criterion.expand))
     # as the solvers do it: what a few hundred planes take stays in a core's cache
     both = jax.value_and_grad(criterion.value)
-    by_parts = jax.jit(lambda planes: jax.lax.map(both, planes, batch_size=min(WIDTH, config.planes)))
+    by_parts = jax.jit(lambda planes: jax.lax.map(both, planes, batch_size=min(NUM_SLOTS, config.planes)))
     exp = jax.jit(jnp.exp)
     return {
         "exp alone": lambda: exp(exponents),
         "naive": lambda: naive(planes),
         "value and gradient": lambda: fast(planes),
-        f"value and gradient, {WIDTH} planes at a time": lambda: by_parts(planes),
+        f"value and gradient, {NUM_SLOTS} planes at a time": lambda: by_parts(planes),
         "value, gradient and Hessian": lambda: expand(planes),
     }
 

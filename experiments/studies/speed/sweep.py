@@ -19,7 +19,7 @@ from experiments.studies.speed.devices import Devices
 from experiments.studies.speed.random_starts import planted, random_starts
 from symjax.l2e.fit import best
 from symjax.l2e.manifolds import random_points
-from symjax.l2e.solvers.batched import WIDTH
+from symjax.l2e.solvers.batched import NUM_SLOTS
 from symjax.l2e.sweep import sweep
 
 ROUNDING = 1e-9  # relative, of a loss
@@ -66,7 +66,7 @@ def _times(config: Config) -> list[Row]:
     sigmas = np.geomspace(0.2, 0.02, config.scales)
     independent = random_starts(config.num_pairs, sigmas, config.restarts, config.seed)
     continued = random_starts(config.num_pairs, sigmas, config.restarts, config.seed, continuation=True)
-    exponents = 10 * jax.random.uniform(jax.random.key(1), (WIDTH, config.num_pairs))
+    exponents = 10 * jax.random.uniform(jax.random.key(1), (NUM_SLOTS, config.num_pairs))
     # one after the other in one program: what it costs to call a program is not counted
     exp = jax.jit(lambda e: jax.lax.fori_loop(0, FLOOR_CALLS, lambda _, e: jnp.exp(-e), e))
     seconds = interleaved(
@@ -74,7 +74,7 @@ def _times(config: Config) -> list[Row]:
     )
     alone, followed = independent(), continued()
     passes = float(jnp.sum(alone.num_steps + 1))
-    floor = seconds["exp"] / (FLOOR_CALLS * WIDTH) * passes
+    floor = seconds["exp"] / (FLOOR_CALLS * NUM_SLOTS) * passes
     over, quartiles = ratio(seconds["independent"], floor)
     cheaper, spread = ratio(seconds["independent"], seconds["continued"])
     worse = best(followed).loss - best(alone).loss

@@ -66,7 +66,7 @@ CHOICES: dict[str, dict[str | float, Variant]] = {
     "starts": {restarts: _changed(restarts=restarts) for restarts in (1, 3, 16, 64)},
     "solver": {
         "Riemannian BFGS": DEFAULT,
-        **{name: _changed(solver=name) for name in ("alternating", "newton", "mm")},
+        **{name: _changed(solver=name) for name in ("alternating", "newton", "irls")},
     },
     "sigma in spacings": {factor: _changed(sigma_spacings=factor) for factor in (0.35, 0.7, 1.4, 2.8, 5.6)},
     "all together": {"default": DEFAULT, "as printed": Variant(SymHKS.as_printed())},

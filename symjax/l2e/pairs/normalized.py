@@ -1,56 +1,57 @@
-"""The pairs as the solver sees them."""
+"""Pairs centred and scaled to unit radius: what the solvers see."""
 
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
+from symjax.geometry.similarity import Similarity
 
-class Problem(NamedTuple):
+
+class NormalizedPairs(NamedTuple):
     """Pairs centred and scaled to unit radius.
 
     Attributes:
         x: one end of every pair, scaled.
         y: the other end.
         weights: the pairs' weights, of mean 1.
-        centre: what was subtracted, in the units of the points.
-        radius: what was divided by.
+        to_given: the way back to the units of the points: times the radius, and moved to the centre.
     """
 
     x: Float[Array, "n 3"]
     y: Float[Array, "n 3"]
     weights: Float[Array, "n"]
-    centre: Float[Array, "3"]
-    radius: Float[Array, ""]
+    to_given: Similarity
 
 
 REACH = 1e3  # radii from the centre beyond which a coordinate is cut
-SAMPLE = 128  # pairs that the centre and the radius are taken from
+NUM_SAMPLED = 128  # pairs that the centre and the radius are taken from
 _FRACTION = 0.6180339887498949  # of the golden ratio
 
 
-def sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]:
-    """Rows of so many pairs, each drawn with its weight as probability: one from every num-th of the total weight.
+def systematic_sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]:
+    """Rows of `num` pairs, each drawn with its weight as probability: one from every num-th of the total weight.
 
     Nothing is random: the place within each share follows the golden ratio, which no order of the pairs has as its
     period. Of fewer pairs than `num` all are drawn, some more than once.
     """
-    step = jnp.arange(num)
+    step = np.arange(num)
     mass = jnp.cumsum(weights)
-    share = (step + (step * _FRACTION) % 1) / num
+    share = jnp.asarray((step + (step * _FRACTION) % 1) / num, mass.dtype)
     # from the right: a pair of weight 0 adds no mass, and is passed over
-    row = jnp.searchsorted(mass, share.astype(mass.dtype) * mass[-1], side="right")
+    row = jnp.searchsorted(mass, share * mass[-1], side="right")
     return jnp.minimum(row, len(weights) - 1)
 
 
-def normalised(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"]) -> Problem:
+def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"]) -> NormalizedPairs:
     """Centres and scales pairs, so that any unit and any origin will do.
 
     The centre is the median and the radius the median distance from it, of some of the pairs, so that outliers move
     neither. The answer does not depend on them, so their derivatives are stopped.
     """
-    drawn = sample(jax.lax.stop_gradient(weights), SAMPLE)
+    drawn = systematic_sample(jax.lax.stop_gradient(weights), NUM_SAMPLED)
     points = jax.lax.stop_gradient(jnp.concatenate([x[drawn], y[drawn]]))
     centre = jnp.median(points, axis=0)
     # the largest coordinate, not the Euclidean length: squares of very large or small lengths overflow
@@ -58,6 +59,7 @@ def normalised(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Ar
     median = jnp.median(distance)
     radius = jnp.where(median > 0, median, jnp.max(distance))
     radius = jnp.where(radius > 0, radius, 1)
-    # farther off no pair has a weight, but its f would be rounded by more than σ²: the features are its squares
+    # subtracted first: far from the origin the inverse of `to_given` would round by more. Cut, since farther off no
+    # pair has a weight, but its f would be rounded by more than σ²: the features are its squares
     scaled = [jnp.clip((end - centre[None, :]) / radius, -REACH, REACH) for end in (x, y)]
-    return Problem(scaled[0], scaled[1], weights / jnp.mean(weights), centre, radius)
+    return NormalizedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), Similarity(radius, None, centre))

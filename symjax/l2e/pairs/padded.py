@@ -9,11 +9,11 @@ from jaxtyping import Array, ArrayLike, Float, Int
 
 from symjax.l2e.pairs.arguments import checked_pairs, checked_weights
 
-LEAST_BUCKET = 256
+LEAST_SIZE = 256
 """Pairs are padded to this or the next power of two."""
 
 
-class Pairs(NamedTuple):
+class PaddedPairs(NamedTuple):
     """Pairs, padded.
 
     Attributes:
@@ -29,27 +29,27 @@ class Pairs(NamedTuple):
     used: Int[Array, ""]
 
 
-def bucket(num: int) -> int:
-    """The size that so many pairs are padded to."""
-    return max(LEAST_BUCKET, 1 << (num - 1).bit_length())
+def padded_size(num: int) -> int:
+    """The size that `num` pairs are padded to."""
+    return max(LEAST_SIZE, 1 << (num - 1).bit_length())
 
 
-def given_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> Pairs:
+def pad_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> PaddedPairs:
     """Checks pairs and pads them.
 
-    What is known is padded in NumPy, and stays there until a compiled function takes it: JAX would compile the padding
-    of every size.
+    What lies on the host is padded in NumPy, and stays there until a compiled function takes it: JAX would compile the
+    padding of every size. What lies on a device stays on it.
 
     Raises:
         SymjaxError: see `symjax.l2e.pairs.arguments`.
     """
     x, y = checked_pairs(x, y)
     w = checked_weights(weights, len(x), x.dtype)
-    extra = bucket(len(x)) - len(x)
+    extra = padded_size(len(x)) - len(x)
 
     def padded(array: Any) -> Any:
         widths = ((0, extra), *[(0, 0)] * (array.ndim - 1))
-        return jnp.pad(array, widths) if isinstance(array, jax.core.Tracer) else np.pad(array, widths)
+        return jnp.pad(array, widths) if isinstance(array, jax.Array) else np.pad(array, widths)
 
     used: Any = np.asarray(len(x))
-    return Pairs(padded(x), padded(y), padded(w), used)
+    return PaddedPairs(padded(x), padded(y), padded(w), used)

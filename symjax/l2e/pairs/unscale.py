@@ -1,4 +1,4 @@
-"""From a minimum in scaled units to a fit in the units of the points, with its derivatives."""
+"""From a minimum on normalized pairs to a fit in the units of the points, with its derivatives."""
 
 import math
 
@@ -12,9 +12,9 @@ from symjax.l2e.fit import Fit
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import Problem
+from symjax.l2e.pairs.normalized import NormalizedPairs
 from symjax.l2e.solvers.base import Minimum
-from symjax.l2e.status import RESULTS
+from symjax.l2e.status import Status
 
 FRACTION = 2**1.5
 """ρ̂ over the mean weight: that of an inlier is E exp(−‖r‖²/2σ²) = 2^{−3/2}, that of an outlier almost 0."""
@@ -36,14 +36,21 @@ def psi(z: Float[Array, "4"], theta: tuple[Array, Array, Array, Array]) -> Float
     return sigma**2 * (1 + jnp.log(jnp.sum(weights)) - largest - jnp.log(kernel))
 
 
-def given_plane(v: Float[Array, "3"], omega: Float[Array, ""], problem: Problem) -> Plane:
-    """A plane in scaled units as one in the units of the points, of canonical sign."""
-    return Plane(v, jnp.sum(v * problem.centre) + problem.radius * omega).canonical()
+def unscale_plane(point: Float[Array, "d"], pairs: NormalizedPairs) -> Plane:
+    """A plane (v, ω) of the normalized pairs as one in the units of the points, of canonical sign."""
+    return pairs.to_given.plane(Plane(point[:3], point[3])).canonical()
 
 
-def answered(problem: Problem, sigma: Float[Array, ""], minimum: Minimum) -> Fit:
-    """The fit at a scale that is given, differentiable in the problem and in σ."""
-    x, y, weights, _, radius = problem
+def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, "4"] | None) -> Fit:
+    """The fit at a given scale, differentiable in the pairs and in σ.
+
+    Args:
+        pairs: the normalized pairs.
+        sigma: scale σ in their units.
+        minimum: what the solver found.
+        start: the plane that it began with, where there is one.
+    """
+    x, y, weights, to_given = pairs
     z, value = implicit_minimum(psi, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights, sigma))
     log_share = 1 - value / sigma**2
     share = jnp.exp(log_share)
@@ -52,12 +59,13 @@ def answered(problem: Problem, sigma: Float[Array, ""], minimum: Minimum) -> Fit
     tiny = jnp.log(jnp.finfo(x.dtype).tiny)
     flat = log_share + jnp.log(jnp.sum(weights)) < tiny
     return Fit(
-        plane=given_plane(z[:3], z[3], problem),
-        loss=loss / radius**3,
-        result=RESULTS.where(flat, RESULTS.flat, minimum.result),
+        plane=unscale_plane(z, pairs),
+        loss=loss / to_given.scale**3,
+        status=jnp.where(flat, jnp.int32(Status.FLAT), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
-        sigma=sigma * radius,
-        inlier_fraction=FRACTION * share,
+        sigma=sigma * to_given.scale,
+        inlier_fraction=jnp.minimum(FRACTION * share, 1),
         sigma_estimated=jnp.asarray(False),
+        start=None if start is None else unscale_plane(start, pairs),
     )

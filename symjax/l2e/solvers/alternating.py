@@ -5,7 +5,6 @@ from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
-import optimistix as optx
 from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE
@@ -28,7 +27,6 @@ class State(NamedTuple):
 def alternation(
     fun: Callable[[Float[Array, "4"]], Float[Array, ""]],
     *,
-    line_search: str = "armijo",
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
 ) -> Solver:
@@ -38,13 +36,15 @@ def alternation(
 
     Args:
         fun: function of z = (v, ω) on S² × R.
-        line_search: of the Riemannian solve: "armijo" or "wolfe".
         max_steps: limit on the rounds.
         tol: bound on the norm of the joint Riemannian gradient.
 
     Returns:
         The solver; its steps are rounds.
     """
+    # imported where it is used: `import symjax` stays cheap
+    import optimistix as optx
+
     value_and_grad = jax.value_and_grad(fun)
     # annotated loosely: optimistix types atol as a float, and takes a traced one
     omega_solver: Any = optx.BFGS(rtol=0.0, atol=cast(float, 0.5 * tol))
@@ -61,7 +61,7 @@ def alternation(
     def round_(state: State) -> State:
         z, _, _, k, _ = state
         v = z[:3]
-        # throw=False: under vmap one lane that runs out of steps must not fail the others
+        # throw=False: under vmap one solve that runs out of steps must not fail the others
         along_the_normal: Any = optx.minimise(
             lambda omega, _: fun(jnp.append(v, omega)),
             omega_solver,
@@ -74,7 +74,6 @@ def alternation(
             lambda v: fun(jnp.append(v, omega)),
             v,
             manifold=SPHERE,
-            line_search=line_search,
             max_steps=INNER_STEPS,
             tol=0.5 * tol,
         )

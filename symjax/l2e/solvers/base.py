@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from symjax.l2e.status import RESULTS
+from symjax.l2e.status import Status
 
 State = Any
 
@@ -20,14 +20,14 @@ class Minimum(NamedTuple):
         value: the function there.
         grad_norm: norm of the Riemannian gradient there.
         num_steps: steps taken.
-        result: how the solve ended.
+        status: how the solve ended, the number of a `Status`.
     """
 
     point: Float[Array, "d"]
     value: Float[Array, ""]
     grad_norm: Float[Array, ""]
     num_steps: Int[Array, ""]
-    result: RESULTS
+    status: Int[Array, ""]
 
 
 class Limits(NamedTuple):
@@ -49,18 +49,33 @@ class Solver(NamedTuple):
         init: start -> state.
         going: state -> whether another step is to be taken.
         step: state -> the next state.
-        finish: state -> the minimum.
+        finish: state -> the minimum (and what else is to be kept).
     """
 
     init: Callable[[Float[Array, "d"]], State]
     going: Callable[[State], Bool[Array, ""]]
     step: Callable[[State], State]
-    finish: Callable[[State], Minimum]
+    finish: Callable[[State], Any]
 
 
-def solve(solver: Solver, start: Float[Array, "d"]) -> Minimum:
-    """Runs a solver from one start."""
+def solve(solver: Solver, start: Float[Array, "d"]) -> Any:
+    """Runs a solver from one start; gives what its `finish` gives."""
     return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
+
+
+def with_start(solver: Solver, point_of: Callable[[Float[Array, "s"]], Float[Array, "d"]]) -> Solver:
+    """A solver that begins at `point_of(start)`, and that finishes with the minimum and this point."""
+
+    def init(start: Float[Array, "s"]) -> State:
+        point = point_of(start)
+        return solver.init(point), point
+
+    return Solver(
+        init=init,
+        going=lambda state: solver.going(state[0]),
+        step=lambda state: (solver.step(state[0]), state[1]),
+        finish=lambda state: (solver.finish(state[0]), state[1]),
+    )
 
 
 def norm(u: Float[Array, "d"]) -> Float[Array, ""]:
@@ -70,8 +85,8 @@ def norm(u: Float[Array, "d"]) -> Float[Array, ""]:
 
 def ending(
     grad_norm: Float[Array, ""], tol: float | Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
-) -> RESULTS:
+) -> Int[Array, ""]:
     """The status of a solve from its last gradient norm, value, and whether its last step found nothing lower."""
-    result = RESULTS.where(stalled, RESULTS.stalled, RESULTS.max_steps_reached)
-    result = RESULTS.where(grad_norm <= tol, RESULTS.successful, result)
-    return RESULTS.where(jnp.isfinite(value) & jnp.isfinite(grad_norm), result, RESULTS.nonfinite)
+    status = jnp.where(stalled, jnp.int32(Status.STALLED), jnp.int32(Status.MAX_STEPS_REACHED))
+    status = jnp.where(grad_norm <= tol, jnp.int32(Status.SUCCESSFUL), status)
+    return jnp.where(jnp.isfinite(value) & jnp.isfinite(grad_norm), status, jnp.int32(Status.NONFINITE))

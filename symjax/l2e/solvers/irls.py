@@ -52,7 +52,7 @@ def reweighting(
 
     def finish(state: State) -> Minimum:
         grad_norm = norm(state.at.gradient)
-        result = ending(grad_norm, tol, state.at.value, state.stalled)
-        return Minimum(state.at.point, state.at.value, grad_norm, state.k, result)
+        status = ending(grad_norm, tol, state.at.value, state.stalled)
+        return Minimum(state.at.point, state.at.value, grad_norm, state.k, status)
 
     return Solver(init, going, step, finish)

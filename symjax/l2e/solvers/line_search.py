@@ -1,8 +1,8 @@
-"""Line searches along the curves of a retraction.
+"""Armijo's line search along the curves of a retraction.
 
-Both look at φ(t) = f(R_z(t d)) and share one account of rounding: near the optimum f cannot show the decrease
-that Armijo's condition asks for, so a step at which f stands still to rounding is accepted on its slope
-(Hager and Zhang's approximate Wolfe condition, SIAM J. Optim. 16, 2005).
+It looks at φ(t) = f(R_z(t d)). Near the optimum f cannot show the decrease that Armijo's condition asks for, so a step
+at which f stands still to rounding is accepted on its slope (Hager and Zhang's approximate Wolfe condition,
+SIAM J. Optim. 16, 2005).
 """
 
 from collections.abc import Callable
@@ -13,10 +13,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 DECREASE = 1e-4  # c₁ of Nocedal and Wright, Sec. 3.1
-CURVATURE = 0.9  # c₂, their choice for quasi-Newton directions
 MAX_TRIALS = 30
-_SHRINK = (0.1, 0.5)  # safeguards of Armijo's interpolated step
-_MARGIN = 0.1  # an interpolated step stays this far inside its bracket
+_SHRINK = (0.1, 0.5)  # safeguards of the interpolated step
 _ROUNDING = 4.0  # units of rounding, of f or 1, within which two values are equal: f is a sum of terms of order one
 
 
@@ -85,57 +83,3 @@ def armijo(curve: Curve, start: Trial, step: Float[Array, ""]) -> tuple[Trial, B
     # the first trial is made inside the loop: one copy of f to compile, not two
     trial, _, _ = jax.lax.while_loop(search_on, backtrack, State(start, step, jnp.asarray(0)))
     return trial, _decreases(start, trial)
-
-
-class _Bracket(NamedTuple):
-    lo: Trial  # lowest so far that satisfies Armijo's condition
-    hi: Trial  # the other end; its step is infinite until the bracket closes
-    trial: Trial
-    next_step: Float[Array, ""]
-    num: Int[Array, ""]
-
-
-def strong_wolfe(curve: Curve, start: Trial, step: Float[Array, ""]) -> tuple[Trial, Bool[Array, ""]]:
-    """Brackets and zooms to a step with |φ'(t)| ≤ c₂|φ'(0)| (Nocedal and Wright, Algorithms 3.5 and 3.6).
-
-    The two stages are one loop: the bracket (lo, hi) starts with hi at infinity, and the next trial is twice
-    the last until it closes.
-
-    Args:
-        curve: t -> the trial at t.
-        start: the trial at t = 0; its slope is negative.
-        step: first step tried.
-
-    Returns:
-        The trial and True; or, when the trials run out, the lowest step that satisfies Armijo's condition
-        alone, and whether there was one.
-    """
-
-    def accepted(trial: Trial) -> Bool[Array, ""]:
-        return _decreases(start, trial) & (jnp.abs(trial.slope) <= CURVATURE * jnp.abs(start.slope))
-
-    def search_on(bracket: _Bracket) -> Bool[Array, ""]:
-        return (bracket.num == 0) | (~accepted(bracket.trial) & (bracket.num < MAX_TRIALS))
-
-    def narrow(bracket: _Bracket) -> _Bracket:
-        lo, hi, num = bracket.lo, bracket.hi, bracket.num
-        trial = curve(bracket.next_step)
-        lower = _decreases(start, trial) & (trial.value < lo.value)
-        turned = trial.slope * (hi.step - lo.step) >= 0
-        # a trial no lower than lo closes the bracket; a lower one becomes lo, and where it climbs towards hi
-        # the old lo is the other end
-        new_hi = jax.tree.map(lambda a, b, c: jnp.where(lower, jnp.where(turned, a, b), c), lo, hi, trial)
-        new_lo = jax.tree.map(lambda a, b: jnp.where(lower, a, b), trial, lo)
-        open_ended = jnp.isinf(new_hi.step)
-        fraction = jnp.clip(jnp.nan_to_num(_parabola(new_lo, new_hi), nan=0.5), _MARGIN, 1 - _MARGIN)
-        inside = new_lo.step + fraction * (new_hi.step - new_lo.step)
-        return _Bracket(new_lo, new_hi, trial, jnp.where(open_ended, 2 * trial.step, inside), num + 1)
-
-    infinity = start._replace(step=jnp.full_like(start.step, jnp.inf))
-    bracket = jax.lax.while_loop(search_on, narrow, _Bracket(start, infinity, start, step, jnp.asarray(0)))
-    done = accepted(bracket.trial)
-    best = jax.tree.map(lambda a, b: jnp.where(done, a, b), bracket.trial, bracket.lo)
-    return best, best.step > 0
-
-
-LINE_SEARCHES = {"armijo": armijo, "wolfe": strong_wolfe}

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.manifolds import Manifold
 from symjax.l2e.solvers.base import Minimum, Solver, ending, norm, solve
-from symjax.l2e.solvers.line_search import LINE_SEARCHES, Trial
+from symjax.l2e.solvers.line_search import Trial, armijo
 
 FIRST_STEP = 0.1  # radians: a longer first step, the Hessian unknown, leaps out of the start's basin
 MAX_LENGTH = 0.5  # radians: no later step is longer
@@ -42,7 +42,6 @@ def riemannian_bfgs(
     fun: Callable[[Float[Array, "d"]], Float[Array, ""]],
     *,
     manifold: Manifold,
-    line_search: str = "armijo",
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
 ) -> Solver:
@@ -56,14 +55,12 @@ def riemannian_bfgs(
     Args:
         fun: differentiable function of a point in ambient coordinates; best scaled to a Hessian of order one.
         manifold: `symjax.l2e.manifolds.SPHERE` or `SPHERE_LINE`.
-        line_search: "armijo" or "wolfe" (strong).
         max_steps: limit on the steps.
         tol: bound on the norm of the Riemannian gradient.
 
     Returns:
         The solver; its starts are points on the manifold.
     """
-    search = LINE_SEARCHES[line_search]
     value_and_grad = jax.value_and_grad(fun)
 
     def cond_fun(state: State) -> Bool[Array, ""]:
@@ -84,7 +81,7 @@ def riemannian_bfgs(
 
         length = jnp.where(k == 0, FIRST_STEP, MAX_LENGTH).astype(f_k.dtype)
         start = Trial(jnp.zeros_like(f_k), z_k, f_k, g_k, jnp.sum(g_k * p_k))
-        trial, found = search(curve, start, jnp.minimum(1, length / norm(p_k)))
+        trial, found = armijo(curve, start, jnp.minimum(1, length / norm(p_k)))
         found &= jnp.any(trial.point != z_k)
 
         T = manifold.transport(z_k, trial.point)
@@ -112,8 +109,8 @@ def riemannian_bfgs(
 
     def finish(state: State) -> Minimum:
         grad_norm = norm(state.g_k)
-        result = ending(grad_norm, tol, state.f_k, state.stalled)
-        return Minimum(state.z_k, state.f_k, grad_norm, state.k, result)
+        status = ending(grad_norm, tol, state.f_k, state.stalled)
+        return Minimum(state.z_k, state.f_k, grad_norm, state.k, status)
 
     return Solver(init, cond_fun, body_fun, finish)
 
@@ -122,6 +119,6 @@ def riemannian_bfgs(
 def minimize(fun: Callable[[Float[Array, "d"]], Float[Array, ""]], z0: Float[Array, "d"], **options: Any) -> Minimum:
     """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
 
-    Never raises under a trace: read `result`.
+    Never raises under a trace: read `status`.
     """
     return solve(riemannian_bfgs(fun, **options), z0)

@@ -12,34 +12,34 @@ from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.criterion import Point
 from symjax.l2e.features import coefficients, feature_rows
-from symjax.l2e.pairs.normalized import Problem, sample
+from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
 
-HYPOTHESES = 1024  # pairs that propose their plane
+NUM_HYPOTHESES = 1024  # pairs that propose their plane
 SUBSET = 512  # pairs that the hypotheses are ranked on
 LEAST_SCALE = 0.004  # radii; σ below which float32 features would rank by their rounding
 SHORT = 0.3  # share of the hypotheses, those of the nearest pairs, whose direction is mostly noise
 SAME_ANGLE = 5.0  # degrees within which, and
 SAME_OFFSET = 0.03  # radii within which, a plane is the same as a better one
-KEPT = 16  # distinct planes that are polished
-OFFSETS = 8  # offsets that are tried for a given normal: more of them, or on more pairs, find no more planes
+NUM_KEPT = 16  # distinct planes that are refined
+NUM_OFFSETS = 8  # offsets that are tried for a given normal: more of them, or on more pairs, find no more planes
 OFFSET_SUBSET = 128  # pairs that they are tried on
 
 
-class Sample(NamedTuple):
+class PairSample(NamedTuple):
     """Some of the pairs, drawn by their weights, so that all count alike."""
 
     x: Float[Array, "k 3"]
     y: Float[Array, "k 3"]
 
 
-def drawn(problem: Problem, num: int) -> Sample:
-    """So many pairs of a problem, see `sample`."""
-    row = sample(problem.weights, num)
-    return Sample(problem.x[row], problem.y[row])
+def sample_pairs(pairs: NormalizedPairs, num: int) -> PairSample:
+    """`num` of the pairs, see `systematic_sample`."""
+    row = systematic_sample(pairs.weights, num)
+    return PairSample(pairs.x[row], pairs.y[row])
 
 
-class Lift(NamedTuple):
-    """Gives starting normals their offset.
+class OffsetSearch(NamedTuple):
+    """Finds the offset of a starting normal.
 
     Attributes:
         through: mid-points of a few pairs, through which offsets are tried.
@@ -66,10 +66,10 @@ def _along(rows: Float[Array, "3 k"], v: Float[Array, "3"]) -> Float[Array, "k"]
     return rows[0] * v[0] + rows[1] * v[1] + rows[2] * v[2]
 
 
-def lift(problem: Problem) -> Lift:
-    """What is to be known of a problem to lift normals."""
-    few, some = drawn(problem, OFFSETS), drawn(problem, OFFSET_SUBSET)
-    return Lift(0.5 * (few.x + few.y).T, 0.5 * (some.x + some.y).T, 0.5 * (some.y - some.x).T)
+def offset_search(pairs: NormalizedPairs) -> OffsetSearch:
+    """The search for the offsets of normals among some of the pairs."""
+    few, some = sample_pairs(pairs, NUM_OFFSETS), sample_pairs(pairs, OFFSET_SUBSET)
+    return OffsetSearch(0.5 * (few.x + few.y).T, 0.5 * (some.x + some.y).T, 0.5 * (some.y - some.x).T)
 
 
 class Hypotheses(NamedTuple):
@@ -84,9 +84,9 @@ class Hypotheses(NamedTuple):
     usable: Bool[Array, "k"]
 
 
-def hypotheses(problem: Problem, num: int = HYPOTHESES) -> Hypotheses:
+def pair_hypotheses(pairs: NormalizedPairs, num: int = NUM_HYPOTHESES) -> Hypotheses:
     """The mirror planes of single pairs."""
-    x, y = drawn(problem, num)
+    x, y = sample_pairs(pairs, num)
     m, h = 0.5 * (x + y), 0.5 * (y - x)
     square = jnp.sum(h * h, axis=1)
     # where no pair has a length some plane has to be proposed
@@ -96,14 +96,14 @@ def hypotheses(problem: Problem, num: int = HYPOTHESES) -> Hypotheses:
     return Hypotheses(jnp.concatenate([v, jnp.sum(v * m, axis=1)[:, None]], axis=1), usable)
 
 
-def screened(
-    proposed: Hypotheses, problem: Problem, sigma: Float[Array, ""], *, num: int = KEPT
+def rank_hypotheses(
+    proposed: Hypotheses, pairs: NormalizedPairs, sigma: Float[Array, ""], *, num: int = NUM_KEPT
 ) -> Float[Array, "s 4"]:
     """The best distinct hypotheses at a scale σ, the best first; where there are fewer, the best again.
 
     They are ranked in float32, which takes a third of the time; where its rounding would count, at a larger σ.
     """
-    some, scale, points = jax.tree.map(_single, (drawn(problem, SUBSET), sigma, proposed.points))
+    some, scale, points = jax.tree.map(_single, (sample_pairs(pairs, SUBSET), sigma, proposed.points))
     scale = jnp.maximum(scale, LEAST_SCALE)
     phi = feature_rows(some.x, some.y)
 
@@ -113,15 +113,15 @@ def screened(
         return -largest - jnp.log(jnp.dot(jnp.exp(exponents - largest), jnp.ones_like(exponents), precision="highest"))
 
     values = jax.vmap(value)(points)
-    return proposed.points[distinct(proposed.points, jnp.where(proposed.usable, values, jnp.inf), num)]
+    return proposed.points[plane_nms(proposed.points, jnp.where(proposed.usable, values, jnp.inf), num)]
 
 
 def _single(array: Float[Array, "*s"]) -> Float[Array, "*s"]:
     return array.astype(jnp.float32)
 
 
-def distinct(points: Float[Array, "k 4"], values: Float[Array, "k"], num: int) -> Int[Array, "num"]:
-    """Rows of the lowest values, no two planes alike; where there are fewer, the lowest again."""
+def plane_nms(points: Float[Array, "k 4"], values: Float[Array, "k"], num: int) -> Int[Array, "num"]:
+    """Rows of the lowest values, no two planes alike (non-maximum suppression); of too few, the lowest again."""
     best = jnp.argmin(values)
     close = jnp.cos(jnp.radians(SAME_ANGLE))
 

@@ -16,12 +16,12 @@ from symjax.l2e.fit import Fit
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import log_objective, squared_residuals
-from symjax.l2e.pairs.normalized import Problem, sample
-from symjax.l2e.pairs.unscale import FRACTION, given_plane
+from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
+from symjax.l2e.pairs.unscale import FRACTION, unscale_plane
 from symjax.l2e.solvers.base import Limits, Minimum, solve
 from symjax.l2e.solvers.newton import newton
-from symjax.l2e.starts.hypotheses import Hypotheses, screened
-from symjax.l2e.status import RESULTS
+from symjax.l2e.starts.hypotheses import Hypotheses, rank_hypotheses
+from symjax.l2e.status import Status
 
 GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
 """Scales that the search begins with, in radii."""
@@ -29,7 +29,7 @@ GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
 PER_SCALE = 4
 """Planes that it begins with at each."""
 
-SEARCHED = 1024
+NUM_SAMPLED = 1024
 """Pairs that it looks at; the last solve takes all."""
 
 LEAST_SUPPORT = 20
@@ -80,44 +80,47 @@ def _solve(start: Float[Array, "5"], data: Data, limits: Limits) -> Minimum:
     return minimum._replace(value=minimum.value / unit**2)
 
 
-def starts_at_all_scales(proposed: Hypotheses, problem: Problem) -> Float[Array, "k 5"]:
+def starts_at_all_scales(proposed: Hypotheses, pairs: NormalizedPairs) -> Float[Array, "k 5"]:
     """The best distinct hypotheses at every scale of the grid."""
-    grid = jnp.asarray(GRID, problem.x.dtype)
-    planes = jax.vmap(lambda sigma: screened(proposed, problem, sigma, num=PER_SCALE))(grid)
+    grid = jnp.asarray(GRID, pairs.x.dtype)
+    planes = jax.vmap(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=PER_SCALE))(grid)
     scales = jnp.broadcast_to(jnp.log(grid)[:, None, None], (len(GRID), PER_SCALE, 1))
     return jnp.concatenate([planes, scales], axis=2).reshape(-1, 5)
 
 
-def estimate(starts: Float[Array, "k 5"], problem: Problem, limits: Limits) -> Minimum:
-    """The best optimum from several starts that enough pairs support."""
-    x, y, weights, _, _ = jax.lax.stop_gradient(problem)
-    row = sample(weights, SEARCHED)
+def estimate_scale(
+    starts: Float[Array, "k 5"], pairs: NormalizedPairs, limits: Limits
+) -> tuple[Minimum, Float[Array, "5"]]:
+    """The best optimum from several starts that enough pairs support, and its start."""
+    x, y, weights, _ = jax.lax.stop_gradient(pairs)
+    row = systematic_sample(weights, NUM_SAMPLED)
     some = x[row], y[row], jnp.ones_like(weights[row])
     found = jax.vmap(lambda start: _solve(start, some, limits))(starts)
     shares = FRACTION * jnp.exp(1.5 * found.point[:, 4] - found.value)
-    supported = shares * jnp.minimum(jnp.sum(weights > 0), SEARCHED) >= LEAST_SUPPORT
+    supported = shares * jnp.minimum(jnp.sum(weights > 0, dtype=weights.dtype), NUM_SAMPLED) >= LEAST_SUPPORT
     value = jnp.where(jnp.isfinite(found.value), found.value, jnp.inf)
     # where none is supported, the most supported
     best = jnp.where(jnp.any(supported), jnp.argmin(jnp.where(supported, value, jnp.inf)), jnp.argmax(shares))
-    return _solve(found.point[best], (x, y, weights), limits)
+    return _solve(found.point[best], (x, y, weights), limits), starts[best]
 
 
-def answered_with_scale(problem: Problem, minimum: Minimum) -> Fit:
-    """The fit at the estimated scale, differentiable in the problem."""
-    x, y, weights, _, radius = problem
+def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Array, "5"]) -> Fit:
+    """The fit at the estimated scale, differentiable in the pairs."""
+    x, y, weights, to_given = pairs
     z, value = implicit_minimum(profile, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights))
     sigma = jnp.exp(z[4])
     share = jnp.exp(1.5 * z[4] - value)
     loss = -((share / (2 * math.pi * sigma**2) ** 1.5) ** 2) * (4 * math.pi * sigma**2) ** 1.5
-    support = FRACTION * share * jnp.sum(weights > 0)
-    lacking = (minimum.result == RESULTS.successful) & (support < LEAST_SUPPORT)
+    support = FRACTION * share * jnp.sum(weights > 0, dtype=weights.dtype)
+    lacking = (minimum.status == Status.SUCCESSFUL.value) & (support < LEAST_SUPPORT)
     return Fit(
-        plane=given_plane(z[:3], z[3], problem),
-        loss=loss / radius**3,
-        result=RESULTS.where(lacking, RESULTS.unsupported, minimum.result),
+        plane=unscale_plane(z, pairs),
+        loss=loss / to_given.scale**3,
+        status=jnp.where(lacking, jnp.int32(Status.UNSUPPORTED), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
-        sigma=sigma * radius,
-        inlier_fraction=FRACTION * share,
+        sigma=sigma * to_given.scale,
+        inlier_fraction=jnp.minimum(FRACTION * share, 1),
         sigma_estimated=jnp.asarray(True),
+        start=unscale_plane(start, pairs),
     )

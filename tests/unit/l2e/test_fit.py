@@ -7,13 +7,13 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.geometry.directions import deviation_angle
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e import sweep as sweep_module
-from symjax.l2e.fit import Fit, best
+from symjax.l2e.fit import SIGMA_TOO_LARGE, Fit, best
 from symjax.l2e.fit_plane import fit_plane
-from symjax.l2e.manifolds import fibonacci
 from symjax.l2e.objective import l2e_loss
+from symjax.l2e.status import Status
 from symjax.l2e.sweep import sweep
 
 SIGMA = 0.05
@@ -105,7 +105,7 @@ def test_weight_zero_is_absence(pairs):
 
 @pytest.mark.parametrize(
     "options",
-    [{"solver": "mm"}, {"solver": "joint"}, {"solver": "joint", "line_search": "wolfe"}, {"solver": "alternating"}],
+    [{"solver": "irls"}, {"solver": "rbfgs"}, {"solver": "alternating"}],
 )
 def test_every_solver_finds_the_same_plane(pairs, options):
     expected, other = (fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, **o) for o in ({}, options))
@@ -177,6 +177,30 @@ def test_a_plateau_is_flat_and_never_success():
     assert swept.message.tolist() == 3 * [fit.message]
 
 
+def test_a_sigma_above_the_scale_of_the_residual_is_noted_and_the_share_cut(pairs):
+    fits = sweep(pairs.x, pairs.y, [0.01, 0.05], pairs.normal[None])
+    assert fits.inlier_fraction.max() == 1
+    assert fits.inlier_fraction[0, 0] < 1
+    assert fits.converged.all()
+    assert SIGMA_TOO_LARGE not in fits.message[0, 0]
+    assert fits.message[1, 0] == f"{Status.SUCCESSFUL.sentence} {SIGMA_TOO_LARGE}"
+    estimated = fit_plane(pairs.x, pairs.y, "auto", pairs.normal)
+    assert estimated.message == Status.SUCCESSFUL.sentence
+
+
+def test_a_fit_keeps_its_start(pairs, grid):
+    begun = sweep(pairs.x, pairs.y, [0.03, 0.05, 0.1], fibonacci(20), max_steps=0)
+    for fits in (begun, grid):
+        np.testing.assert_allclose(fits.start.normal, begun.plane.normal, atol=1e-12)
+        np.testing.assert_allclose(fits.start.offset, begun.plane.offset, atol=1e-12)
+    alone = fit_plane(pairs.x, pairs.y, 0.05, fibonacci(20)[7])
+    np.testing.assert_allclose(alone.start.normal, grid.start.normal[1, 7], atol=1e-12)
+    chosen = best(grid)
+    row = np.argmin(np.where(grid.converged, grid.loss, np.inf), axis=1)
+    np.testing.assert_array_equal(chosen.start.normal, grid.start.normal[np.arange(3), row])
+    assert fit_plane(pairs.x, pairs.y, "auto").start.normal.shape == (3,)
+
+
 def test_too_few_steps_are_said(pairs):
     fit = fit_plane(pairs.x, pairs.y, SIGMA, np.array([0.6, 0.0, 0.8]), max_steps=2)
     assert not fit.converged
@@ -221,7 +245,8 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
         ({"weights": np.array([1, -1, 1])}, InvalidArgumentError, r"weights\[1\]"),
         ({"weights": np.zeros(3)}, InvalidArgumentError, "every weight is zero"),
         ({"solver": "simplex"}, InvalidArgumentError, "'simplex' is unknown"),
-        ({"line_search": "exact"}, InvalidArgumentError, "'exact' is unknown"),
+        ({"solver": "joint"}, InvalidArgumentError, "'joint' is now called 'rbfgs'"),
+        ({"solver": "mm"}, InvalidArgumentError, "'mm' is now called 'irls'"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),
         ({"tol": 0.0}, InvalidArgumentError, "tol"),
     ],

@@ -7,8 +7,9 @@ import pytest
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, NonfiniteError
 from symjax.geometry.directions import deviation_angle
-from symjax.l2e import fit_plane as fit_plane_module
-from symjax.l2e.fit_plane import fit_global, fit_plane
+from symjax.l2e import fit_global as fit_global_module
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.fit_plane import fit_plane
 from tests.helpers.structured_pairs import structured_pairs
 
 NUM, SIGMA = 1000, 0.03  # one number of pairs in most tests: one compilation
@@ -43,7 +44,7 @@ def test_among_90_per_cent_outliers_of_which_half_follow_a_second_plane(sigma):
         assert_found(fit_global(p.x, p.y, sigma), p)
 
 
-def test_among_more_pairs_than_the_planes_are_polished_on_at_first():
+def test_among_more_pairs_than_the_planes_are_refined_on_at_first():
     for seed in SEEDS:
         p = planted_pairs(np.random.default_rng(seed), 3 * NUM, 0.95)
         assert_found(fit_global(p.x, p.y, SIGMA), p)
@@ -159,7 +160,7 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
         ({"sigma": "automatic"}, InvalidArgumentError, "or 'auto', not 'automatic'"),
         ({"sigma": [0.1]}, InvalidArgumentError, "shape"),
         ({"num_hypotheses": 0}, InvalidArgumentError, "num_hypotheses must be 1 or more, not 0"),
-        ({"num_polished": -1}, InvalidArgumentError, "num_polished must be 1 or more, not -1"),
+        ({"num_refined": -1}, InvalidArgumentError, "num_refined must be 1 or more, not -1"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),
         ({"tol": -1e-9}, InvalidArgumentError, "tol"),
         ({"weights": [1, 1, -1]}, InvalidArgumentError, r"weights\[2\]"),
@@ -169,13 +170,13 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
     ids=lambda value: "-".join(value) if isinstance(value, dict) else None,
 )
 def test_bad_arguments_are_refused_before_anything_is_computed(monkeypatch, change, error, match):
-    monkeypatch.setattr(fit_plane_module, "_fit_global", None)
+    monkeypatch.setattr(fit_global_module, "_fit_global", None)
     with pytest.raises(error, match=match):
         fit_global(**{**GOOD, **change})
 
 
 def test_few_pairs_hypotheses_and_planes_will_do():
     x = np.array([[1.0, 0, 2], [0, 1, 1], [2, 1, 3]])
-    fit = fit_global(x, x * [1, 1, -1], 0.5, num_hypotheses=2, num_polished=1)
+    fit = fit_global(x, x * [1, 1, -1], 0.5, num_hypotheses=2, num_refined=1)
     assert fit.converged
     np.testing.assert_allclose(fit.plane.normal, [0, 0, 1], atol=1e-9)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.l2e.fit_plane import fit_global, fit_plane
+from symjax.l2e.fit_global import fit_global
+from symjax.l2e.fit_plane import fit_plane
 
 NUM, SIGMA = 250, 0.03
 # below the default, so that differences of answers have their digits

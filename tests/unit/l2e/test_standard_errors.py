@@ -7,7 +7,7 @@ import pytest
 
 from symjax import standard_errors
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.errors import InvalidPointsError
+from symjax.errors import InvalidArgumentError, InvalidPointsError
 from symjax.geometry.plane import Plane
 from symjax.l2e.fit_plane import fit_plane
 
@@ -142,6 +142,12 @@ def test_exact_pairs_have_hardly_any_error():
         assert fit.converged
     assert found.plane.normal_degrees < 1e-6
     assert found.plane.offset < 1e-8
+
+
+def test_several_fits_at_once_are_refused(pairs, given):
+    fits = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf])[None], given[0])
+    with pytest.raises(InvalidArgumentError, match=r"fits of shape \(1, 2\)"):
+        standard_errors(fits, pairs.x, pairs.y)
 
 
 def test_pairs_are_checked(pairs, given):

@@ -7,11 +7,11 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError
-from symjax.geometry.directions import deviation_angle
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.l2e import sweep as sweep_module
 from symjax.l2e.fit import best
 from symjax.l2e.fit_plane import fit_plane
-from symjax.l2e.manifolds import fibonacci, random_points
+from symjax.l2e.manifolds import random_points
 from symjax.l2e.starts.initialization import NORMALS
 from symjax.l2e.sweep import sweep
 
@@ -75,7 +75,7 @@ def test_every_sigma_stays_in_its_place(pairs, even):
         assert_same(jax.tree.map(lambda leaf, row=row: leaf[row], again), jax.tree.map(lambda leaf: leaf[0], even))
 
 
-def test_a_lane_is_a_fit_from_its_start(pairs, even):
+def test_each_is_a_fit_from_its_start(pairs, even):
     v0s = fibonacci(RESTARTS)
     for s, r in ((0, 0), (1, 4), (2, 9)):
         alone = fit_plane(pairs.x, pairs.y, SIGMAS[s], v0s[r])
@@ -85,7 +85,7 @@ def test_a_lane_is_a_fit_from_its_start(pairs, even):
         assert even.message[s, r] == alone.message
 
 
-def test_weights_and_limits_reach_every_lane(pairs, even):
+def test_weights_and_limits_reach_every_fit(pairs, even):
     weights = np.ones(NUM)
     assert_same(swept(pairs, "fibonacci", weights=7 * weights), even)
     weights[::2] = 0
@@ -106,7 +106,7 @@ def test_weights_and_limits_reach_every_lane(pairs, even):
         ({"v0s": "random"}, "takes a key"),
         ({"v0s": "fibonacci", "key": jax.random.key(0)}, "no other start does"),
         ({"key": jax.random.key(0)}, "no other start does"),
-        ({"v0s": "corners"}, "'corners' is unknown: choose one of rga, pca, l2, fibonacci, random, hypotheses"),
+        ({"v0s": "corners"}, "'corners' is unknown: choose one of fibonacci, hypotheses, random, rga, pca, l2"),
         ({"restarts": 0}, "restarts must be 1 or more, not 0"),
         ({"v0s": np.zeros((2, 3))}, "2 of 2 starting normals"),
         ({"sigmas": "auto"}, "sigmas"),

@@ -6,10 +6,9 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, TooFewPointsError
-from symjax.geometry.directions import deviation_angle
+from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.l2e.fit import best
-from symjax.l2e.manifolds import fibonacci
-from symjax.l2e.pairs.padded import LEAST_BUCKET, bucket
+from symjax.l2e.pairs.padded import LEAST_SIZE, padded_size
 from symjax.l2e.sweep import _sweep, sweep, sweep_clouds
 
 COMPILED = "/jax/core/compile/backend_compile_duration"
@@ -33,7 +32,7 @@ def test_a_hundred_sizes_are_compiled_at_most_eight_times():
     before = _sweep._cache_size()
     jax.monitoring.register_event_duration_secs_listener(listen)
     try:
-        fits = sweep_clouds(made, SIGMAS, STARTS, solver="mm", max_steps=3)
+        fits = sweep_clouds(made, SIGMAS, STARTS, solver="irls", max_steps=3)
     finally:
         jax.monitoring.unregister_event_duration_listener(listen)
     assert fits.loss.shape == (100, 1, 2)
@@ -45,10 +44,10 @@ def test_a_hundred_sizes_are_compiled_at_most_eight_times():
 
 @pytest.mark.parametrize("num", [1, 3, 255, 256, 257, 1000, 1024, 1025])
 def test_a_bucket_is_the_next_power_of_two(num):
-    size = bucket(num)
-    assert size >= max(num, LEAST_BUCKET)
+    size = padded_size(num)
+    assert size >= max(num, LEAST_SIZE)
     assert size & (size - 1) == 0
-    assert size == LEAST_BUCKET or size < 2 * num
+    assert size == LEAST_SIZE or size < 2 * num
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.l2e.manifolds import fibonacci
+from symjax.geometry.directions import fibonacci
 from symjax.l2e.solvers.base import Minimum, Solver, ending, solve
-from symjax.l2e.solvers.batched import solve_lanes
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.solvers.batched import solve_batch
+from symjax.l2e.status import Status
 from symjax.l2e.sweep import sweep
 
 MAX_STEPS = 90
@@ -41,8 +41,8 @@ def halving(factor, seen: Callable[[jax.Array], None] | None = None) -> Solver:
     return Solver(lambda start: (start, jnp.asarray(0)), going, step, finish)
 
 
-def lanes(num, seed=0):
-    """Lanes that take no step, few, many, all that are allowed, and ones that are no number."""
+def solves(num, seed=0):
+    """Solves that take no step, few, many, all that are allowed, and ones that are no number."""
     rng = np.random.default_rng(seed)
     factor = rng.choice([0.01, 0.3, 0.8, 0.99], num, p=[0.4, 0.3, 0.2, 0.1])
     start = rng.choice([1e-9, 1.0, 1e3, np.nan], (num, 1), p=[0.1, 0.5, 0.3, 0.1])
@@ -50,7 +50,7 @@ def lanes(num, seed=0):
 
 
 one_by_one = jax.jit(jax.vmap(lambda factor, start: solve(halving(factor), start)))
-together = jax.jit(lambda factor, starts: solve_lanes(halving, factor, starts))
+together = jax.jit(lambda factor, starts: solve_batch(halving, factor, starts))
 
 
 def assert_same(found, expected, **tolerance):
@@ -60,19 +60,19 @@ def assert_same(found, expected, **tolerance):
 
 
 @pytest.mark.parametrize("num", [1, 31, 32, 33, 64, 65, 256, 257, 300, 700])
-def test_lanes_are_the_solves_one_by_one(num):
-    factor, starts = lanes(num)
+def test_a_batch_is_the_solves_one_by_one(num):
+    factor, starts = solves(num)
     for order in (slice(None), slice(None, None, -1), np.argsort(factor), np.argsort(-factor)):
         expected = one_by_one(factor[order], starts[order])
         assert_same(together(factor[order], starts[order]), expected, rtol=0)
         if num > 100:
             assert len(np.unique(expected.num_steps)) > 5
-            assert len(np.unique(sentence(expected.result))) == 3
+            assert len(np.unique(expected.status)) == 3
             assert expected.num_steps.max() == MAX_STEPS
 
 
 @pytest.mark.parametrize("factor", [0.01, 0.99, jnp.nan])
-def test_lanes_of_one_cost(factor):
+def test_solves_of_one_cost(factor):
     starts = jnp.ones((300, 2))
     found = together(jnp.full(300, factor), starts)
     assert len(np.unique(found.num_steps)) == 1
@@ -80,21 +80,21 @@ def test_lanes_of_one_cost(factor):
 
 
 def test_parameters_may_be_trees():
-    factor, starts = lanes(70)
+    factor, starts = solves(70)
 
     def make(parameters):
         return halving(parameters["near"] * parameters["pair"][0])
 
     tree = {"near": jnp.sqrt(factor), "pair": (jnp.sqrt(factor), jnp.zeros((70, 2, 2)))}
-    found = jax.jit(lambda tree, starts: solve_lanes(make, tree, starts))(tree, starts)
+    found = jax.jit(lambda tree, starts: solve_batch(make, tree, starts))(tree, starts)
     assert_same(found, one_by_one(factor, starts), rtol=1e-12)
 
 
 def test_a_batch_does_not_wait_for_its_slowest():
-    """Steps of lanes that are computed: of 256, 8 take 90 steps and the rest 4."""
+    """Steps of solves that are computed: of 256, 8 take 90 steps and the rest 4."""
     counts = []
     factor = jnp.where(jnp.arange(256) % 32 == 5, 0.99, 0.01)
-    run = jax.jit(lambda factor, starts: solve_lanes(lambda f: halving(f, counts.append), factor, starts))
+    run = jax.jit(lambda factor, starts: solve_batch(lambda f: halving(f, counts.append), factor, starts))
     found = run(factor, jnp.ones((256, 2)))
     jax.effects_barrier()
     assert found.num_steps.sum() == 8 * MAX_STEPS + 248 * 4
@@ -117,7 +117,7 @@ def many():
     return fits
 
 
-def test_a_sweep_of_many_lanes_is_a_sweep_of_few(many):
+def test_a_sweep_of_many_solves_is_a_sweep_of_few(many):
     for first in range(0, 144, 16):
         few = swept(STARTS[first : first + 16])
         part = jax.tree.map(lambda leaf, first=first: leaf[:, first : first + 16], many)
@@ -133,10 +133,10 @@ import sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 import jax, numpy as np
 jax.config.update("jax_enable_x64", True)
-from symjax.l2e.solvers.batched import sharded
-from tests.unit.l2e.solvers.test_batched import COUNTS, STARTS, halving, lanes, swept
-dealt = jax.jit(lambda factor, starts: sharded(halving, factor, starts))
-found = [dealt(*lanes(num)) for num in COUNTS]
+from symjax.l2e.solvers.batched import solve_sharded
+from tests.unit.l2e.solvers.test_batched import COUNTS, STARTS, halving, solves, swept
+dealt = jax.jit(lambda factor, starts: solve_sharded(halving, factor, starts))
+found = [dealt(*solves(num)) for num in COUNTS]
 assert all(len(f.value.sharding.device_set) == {DEVICES} for f in found[1:])
 np.savez(sys.argv[1], *jax.tree.leaves([*found, swept(STARTS)]))
 """
@@ -147,14 +147,14 @@ def test_several_devices_give_what_one_gives(many, tmp_path):
     file = tmp_path / "found.npz"
     environment = os.environ | {"XLA_FLAGS": flags, "JAX_PLATFORMS": "cpu"}
     subprocess.run([sys.executable, "-c", PROGRAM, str(file)], check=True, env=environment)
-    expected = jax.tree.leaves([*(one_by_one(*lanes(num)) for num in COUNTS), many])
+    expected = jax.tree.leaves([*(one_by_one(*solves(num)) for num in COUNTS), many])
     with np.load(file) as found:
         assert len(found.files) == len(expected)
         for name, value in zip(found.files, expected, strict=True):
             np.testing.assert_allclose(found[name], value, rtol=1e-8, atol=1e-8)
 
 
-def test_lanes_that_run_out_of_steps_say_so():
+def test_solves_that_run_out_of_steps_say_so():
     found = together(jnp.asarray([0.99, 0.01, 0.99]), jnp.ones((3, 2)))
-    expected = [RESULTS.max_steps_reached, RESULTS.successful, RESULTS.max_steps_reached]
-    assert sentence(found.result).tolist() == [sentence(result) for result in expected]
+    expected = [Status.MAX_STEPS_REACHED, Status.SUCCESSFUL, Status.MAX_STEPS_REACHED]
+    assert found.status.tolist() == expected

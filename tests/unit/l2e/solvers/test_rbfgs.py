@@ -8,7 +8,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE, random_points
 from symjax.l2e.objective import scaled_log_loss
 from symjax.l2e.solvers.rbfgs import minimize
-from symjax.l2e.status import RESULTS, sentence
+from symjax.l2e.status import Status, sentences
 
 SIGMA = 0.05
 
@@ -22,14 +22,13 @@ def symmetric(rng, num):
     return jnp.asarray(A + A.swapaxes(1, 2))
 
 
-@pytest.mark.parametrize("line_search", ["armijo", "wolfe"])
-def test_finds_the_smallest_eigenvector(rng, line_search):
+def test_finds_the_smallest_eigenvector(rng):
     H, v0 = symmetric(rng, 20), random_points(jax.random.key(0), 20)
-    minima = jax.jit(jax.vmap(lambda H, v: quadratic(H, v, line_search=line_search)))(H, v0)
+    minima = jax.jit(jax.vmap(lambda H, v: quadratic(H, v)))(H, v0)
     smallest = np.linalg.eigh(H)[1][:, :, 0]
     sine = np.linalg.norm(np.cross(minima.point, smallest), axis=1)
     assert sine.max() <= 1e-10
-    assert (sentence(minima.result) == sentence(RESULTS.successful)).all()
+    assert (minima.status == Status.SUCCESSFUL).all()
     np.testing.assert_allclose(jnp.linalg.norm(minima.point, axis=1), 1, atol=1e-14)
 
 
@@ -91,19 +90,13 @@ def test_same_optimum_as_jaxopts_projected_gradient(problem, optimum):
     np.testing.assert_allclose(solver.run(z0, None).params, optimum.point, atol=1e-6)
 
 
-def test_armijo_and_wolfe_agree(problem, optimum):
-    wolfe = minimize(*problem, manifold=SPHERE_LINE, line_search="wolfe", tol=1e-11)
-    np.testing.assert_allclose(wolfe.point, optimum.point, atol=1e-9)
-    assert sentence(wolfe.result) == sentence(RESULTS.successful)
-
-
 @pytest.mark.core
 def test_float32_stays_float32_and_converges(rng):
     H = jnp.asarray(symmetric(rng, 1)[0], jnp.float32)
     v0 = jnp.asarray([0.6, 0.0, 0.8], jnp.float32)
     minimum = quadratic(H, v0, tol=1e-5)
     assert minimum.point.dtype == jnp.float32
-    assert sentence(minimum.result) == sentence(RESULTS.successful)
+    assert minimum.status == Status.SUCCESSFUL
     smallest = np.linalg.eigh(np.asarray(H, float))[1][:, 0]
     assert np.linalg.norm(np.cross(minimum.point, smallest)) < 1e-5
 
@@ -120,7 +113,7 @@ def test_float32_stays_float32_and_converges(rng):
 )
 def test_a_solve_that_fails_says_why(fun, options, expected):
     minimum = minimize(fun, jnp.asarray([0.48, 0.6, 0.64]), manifold=SPHERE, **options)
-    assert expected in sentence(minimum.result)
+    assert expected in sentences(minimum.status)
 
 
 def test_negative_curvature_is_crossed_in_few_steps():
@@ -128,5 +121,5 @@ def test_negative_curvature_is_crossed_in_few_steps():
     H = jnp.diag(jnp.asarray([1.0, 0.999, 0.0]))
     v0 = jnp.asarray([1.0, 1e-3, 1e-4])
     minimum = quadratic(1e-3 * H, v0 / jnp.linalg.norm(v0), max_steps=60)
-    assert sentence(minimum.result) == sentence(RESULTS.successful)
+    assert minimum.status == Status.SUCCESSFUL
     assert abs(minimum.point[2]) == pytest.approx(1)

@@ -6,26 +6,34 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
-from symjax.geometry.directions import deviation_angle
-from symjax.l2e.manifolds import fibonacci
+from symjax.geometry.directions import deviation_angle, fibonacci
+from symjax.geometry.plane import Plane
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import Problem, normalised, sample
-from symjax.l2e.pairs.padded import given_pairs
-from symjax.l2e.starts.hypotheses import SAME_ANGLE, SAME_OFFSET, SUBSET, distinct, hypotheses, lift, screened
+from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs, systematic_sample
+from symjax.l2e.pairs.padded import pad_pairs
+from symjax.l2e.starts.hypotheses import (
+    SAME_ANGLE,
+    SAME_OFFSET,
+    SUBSET,
+    offset_search,
+    pair_hypotheses,
+    plane_nms,
+    rank_hypotheses,
+)
 
 NUM, BUCKET = 200, 256
 SIGMA = jnp.asarray(0.05)
 
 
-def problem_of(x, y, weights=None):
+def normalized(x, y, weights=None):
     """The pairs as the solver sees them: padded, centred, scaled."""
-    return made(*given_pairs(x, y, weights)[:3])
+    return made(*pad_pairs(x, y, weights)[:3])
 
 
-made = jax.jit(normalised)
-proposed_by = jax.jit(hypotheses)
-screen = jax.jit(lambda proposed, problem, sigma: screened(proposed, problem, sigma))
-drawn = jax.jit(sample, static_argnums=1)
+made = jax.jit(normalize_pairs)
+proposed_by = jax.jit(pair_hypotheses)
+screen = jax.jit(lambda proposed, pairs, sigma: rank_hypotheses(proposed, pairs, sigma))
+drawn = jax.jit(systematic_sample, static_argnums=1)
 
 
 @pytest.fixture(scope="module")
@@ -33,10 +41,10 @@ def planted():
     return planted_pairs(np.random.default_rng(21), NUM, 0.8)
 
 
-def in_own_units(points, problem: Problem):
-    """Planes (v, ω) of a scaled problem as normals and offsets of the points."""
-    points = np.asarray(points)
-    return points[:, :3], np.asarray(problem.radius) * points[:, 3] + points[:, :3] @ np.asarray(problem.centre)
+def in_own_units(points, pairs: NormalizedPairs):
+    """Planes (v, ω) of normalized pairs as planes in the units of the points."""
+    back = jax.tree.map(np.asarray, pairs.to_given)
+    return back.plane(Plane(np.asarray(points)[:, :3], np.asarray(points)[:, 3]))
 
 
 def alike(points, plane):
@@ -47,8 +55,8 @@ def alike(points, plane):
 
 
 def test_every_pair_is_mirrored_exactly_by_the_plane_it_proposes(planted):
-    problem = problem_of(planted.x, planted.y)
-    normals, offsets = in_own_units(proposed_by(problem).points, problem)
+    pairs = normalized(planted.x, planted.y)
+    normals, offsets = in_own_units(proposed_by(pairs).points, pairs)
     expected = planted.y - planted.x
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
     cosine = np.abs(normals @ expected.T)
@@ -66,25 +74,25 @@ def test_one_mirror_pair_names_the_plane(planted):
     length = np.linalg.norm((planted.y - planted.x)[inlier], axis=1)
     few = inlier[np.argsort(-length)[:3]]
     rows = np.concatenate([few, np.flatnonzero(~planted.inlier)])
-    problem = problem_of(planted.x[rows], planted.y[rows])
-    proposed = proposed_by(problem)
-    normals, offsets = in_own_units(proposed.points, problem)
+    pairs = normalized(planted.x[rows], planted.y[rows])
+    proposed = proposed_by(pairs)
+    normals, offsets = in_own_units(proposed.points, pairs)
     right = deviation_angle(normals, np.broadcast_to(planted.normal, normals.shape)) < 3
     right &= np.abs(np.abs(offsets) - abs(planted.offset)) < 0.1
     assert np.any(right & np.asarray(proposed.usable))
-    normals, _ = in_own_units(screen(proposed, problem, jnp.asarray(0.02)), problem)
+    normals, _ = in_own_units(screen(proposed, pairs, jnp.asarray(0.02)), pairs)
     assert deviation_angle(normals[0], planted.normal) < 3
 
 
 @pytest.mark.parametrize("sigma", [0.02, 0.1, 0.5])
 def test_what_is_kept_is_distinct_and_the_best_first(sigma):
     p = planted_pairs(np.random.default_rng(22), SUBSET, 0.8)  # so many that each is ranked on once
-    problem = problem_of(p.x, p.y)
-    proposed = proposed_by(problem)
-    kept = np.asarray(screen(proposed, problem, jnp.asarray(sigma)))
+    pairs = normalized(p.x, p.y)
+    proposed = proposed_by(pairs)
+    kept = np.asarray(screen(proposed, pairs, jnp.asarray(sigma)))
     for k in range(len(kept)):
         assert alike(kept, kept[k]).sum() == 1
-    loss = jax.jit(jax.vmap(lambda z: scaled_log_loss(z[:3], z[3], sigma, problem.x, problem.y)))
+    loss = jax.jit(jax.vmap(lambda z: scaled_log_loss(z[:3], z[3], sigma, pairs.x, pairs.y)))
     everyone = np.asarray(loss(proposed.points))[np.asarray(proposed.usable)]
     values = np.asarray(loss(kept))
     rounding = 1e-5 * sigma**2  # they are ranked in float32
@@ -99,7 +107,7 @@ def turned(angle, offset):
     return [np.sin(np.radians(angle)), 0, np.cos(np.radians(angle)), offset]
 
 
-choose = jax.jit(distinct, static_argnums=2)
+choose = jax.jit(plane_nms, static_argnums=2)
 
 
 def test_near_duplicates_are_left_out():
@@ -122,9 +130,9 @@ def test_fewer_distinct_planes_than_asked_are_the_best_again():
 def test_fewer_pairs_than_hypotheses_propose_all_the_same():
     x = np.random.default_rng(2).normal(size=(3, 3))
     y = x * [-1, 1, 1]
-    problem = problem_of(x, y)
-    kept = np.asarray(screen(proposed_by(problem), problem, SIGMA))
-    normals, offsets = in_own_units(kept, problem)
+    pairs = normalized(x, y)
+    kept = np.asarray(screen(proposed_by(pairs), pairs, SIGMA))
+    normals, offsets = in_own_units(kept, pairs)
     np.testing.assert_allclose(np.abs(normals), np.tile([1, 0, 0], (len(kept), 1)), atol=1e-12)
     np.testing.assert_allclose(offsets, 0, atol=1e-12)
 
@@ -167,8 +175,8 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
     weights[away] = 0
     x[away], y[away] = 1e100, -1e100
     y[points] = x[points]
-    problem = problem_of(x, y, weights)
-    proposed = proposed_by(problem)
+    pairs = normalized(x, y, weights)
+    proposed = proposed_by(pairs)
     assert np.isfinite(proposed.points).all()
     given = np.setdiff1d(np.arange(NUM), list(absent))
     direction = (y - x)[given]
@@ -176,15 +184,15 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
     usable = np.asarray(proposed.points)[np.asarray(proposed.usable)]
     assert len(usable) > 500
     assert np.abs(usable[:, :3] @ direction.T).max(axis=1).min() > 1 - 1e-12
-    kept = screen(proposed, problem, SIGMA)
-    normals, _ = in_own_units(kept, problem)
+    kept = screen(proposed, pairs, SIGMA)
+    normals, _ = in_own_units(kept, pairs)
     assert np.abs(normals @ direction.T).max(axis=1).min() > 1 - 1e-12
     assert deviation_angle(normals[0], planted.normal) < 5
 
 
 def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
-    problem = problem_of(planted.x, planted.y)
-    raised = lift(problem)
+    pairs = normalized(planted.x, planted.y)
+    raised = offset_search(pairs)
     sigma = jnp.asarray(0.1)
     v = jnp.concatenate([fibonacci(20), jnp.asarray(planted.normal)[None]])
     points = jax.jit(jax.vmap(raised, (0, None)))(v, sigma)

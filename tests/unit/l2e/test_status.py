@@ -1,0 +1,31 @@
+"""How a solve ended is read without JAX."""
+
+import subprocess
+import sys
+
+import numpy as np
+
+from symjax.l2e.status import Status, sentences
+
+PROGRAM = """
+import sys
+from symjax.l2e.status import Status, sentences
+assert sentences(Status.FLAT) == Status.FLAT.sentence
+assert not {"jax", "equinox"} & set(sys.modules)
+"""
+
+
+def test_no_jax_is_needed():
+    subprocess.run([sys.executable, "-c", PROGRAM], check=True)
+
+
+def test_a_number_is_its_sentence_and_numbers_are_an_array_of_them():
+    assert [member.value for member in Status] == list(range(len(Status)))
+    for member in Status:
+        assert sentences(member) == sentences(np.int32(member)) == member.sentence
+    found = sentences(np.array([[Status.FLAT, Status.SUCCESSFUL]]))
+    assert found.tolist() == [[Status.FLAT.sentence, Status.SUCCESSFUL.sentence]]
+
+
+def test_a_sentence_says_first_whether_the_solve_converged():
+    assert [member for member in Status if member.sentence.startswith("Converged")] == [Status.SUCCESSFUL]
