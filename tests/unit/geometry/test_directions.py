@@ -4,7 +4,7 @@ import pytest
 from symjax.geometry.directions import fibonacci
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 @pytest.mark.parametrize("half", [True, False])
 def test_fibonacci_directions_are_unit_and_leave_no_gap(half):
     points = fibonacci(64, half=half)

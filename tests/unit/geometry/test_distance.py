@@ -23,7 +23,7 @@ def test_angle_of_a_batch_in_numpy_and_in_jax(rng):
     np.testing.assert_allclose(deviation_angle(jnp.asarray(a), jnp.asarray(b)), deviation_angle(a, b), rtol=1e-12)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_angle_has_a_finite_derivative_at_aligned_normals():
     v = jnp.asarray([0.0, 0.6, 0.8])
     assert jnp.isfinite(jax.grad(lambda u: deviation_angle(u, v))(v)).all()

@@ -37,7 +37,7 @@ def test_matrix_is_the_reflection_with_determinant_minus_one(rng, xp):
     np.testing.assert_allclose(plane.matrix()[0], Plane(plane.normal[0], plane.offset[0]).matrix())
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 @pytest.mark.parametrize("xp", [np, jnp], ids=["numpy", "jax"])
 def test_canonical_sign_is_the_same_for_both_orientations(rng, xp):
     plane = Plane(*map(xp.asarray, planes(rng)))

@@ -140,7 +140,7 @@ def test_an_mm_step_never_raises_psi(pairs, planes, sigma):
     assert (at.value < expanded(pairs, sigma, planes).value).all()
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_planes_far_from_every_pair_keep_their_slope(pairs, planes):
     """Where every weight underflows, ψ is half the f of the pair that fits best."""
     x, y, _ = pairs = [jnp.asarray(a, jnp.float32) for a in pairs]

@@ -127,7 +127,7 @@ def test_float32_keeps_its_digits_at_a_small_scale():
     assert np.abs(naive - log_weight(expected)).max() > 2e-4
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_features_follow_any_direction_of_the_plane(pairs):
     """The coefficients are even: (v, ω) and (−v, −ω) are one plane."""
     x, y, _, _ = pairs

@@ -51,7 +51,7 @@ def test_exact_pairs_give_the_exact_plane_in_any_unit_and_place(blob, scale, shi
     assert abs(fit.plane.signed_distance(foot[None])[0]) <= 1e-9 * diagonal
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_stays_float32_and_is_right():
     p = planted(1, 0.0, noise=0.0)
     x, y = np.asarray(p.x, np.float32), np.asarray(p.y, np.float32)
@@ -61,7 +61,7 @@ def test_float32_stays_float32_and_is_right():
     assert deviation_angle(np.asarray(fit.plane.normal, float), p.normal) <= 0.01
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_outliers_do_not_move_the_plane():
     fits = jax.jit(jax.vmap(lambda x, y: fit_plane(x, y, SIGMA)))
     trials = [planted(seed, 0.65, num=300) for seed in range(20)]
@@ -167,7 +167,7 @@ def flat_problem():
     return x, x * [1.0, 1.0, -1.0], np.array([1.0, 0.0, 0.0])
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_a_plateau_is_flat_and_never_success():
     x, y, v0 = flat_problem()
     fit = fit_plane(x, y, 0.005, v0)

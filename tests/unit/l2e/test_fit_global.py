@@ -132,7 +132,7 @@ def test_one_wild_pair_moves_nothing(pairs, expected, far):
         same_plane(fit.plane, np.asarray(expected.plane.normal), float(expected.plane.offset), atol=1e-3)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_stays_float32_and_finds_it():
     for seed in SEEDS:
         p = planted_pairs(np.random.default_rng(seed), NUM, 0.9)

@@ -13,7 +13,7 @@ def v_u():
     return v, 0.7 * manifolds.tangent_projection(v, w)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_projection_is_tangent_and_idempotent(v_u):
     v, _ = v_u
     u = manifolds.tangent_projection(v, jnp.asarray([1.0, 2.0, 3.0]))

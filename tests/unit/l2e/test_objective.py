@@ -98,7 +98,7 @@ def test_integer_weights_are_repeated_pairs(pairs):
         np.testing.assert_allclose(weighted, function(v, omega, SIGMA, *repeated), rtol=1e-12)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_log_form_keeps_its_slope_where_every_weight_underflows(pairs):
     v, omega, x, y = (jnp.asarray(a, jnp.float32) for a in pairs)
     omega = omega + 10
@@ -109,7 +109,7 @@ def test_log_form_keeps_its_slope_where_every_weight_underflows(pairs):
     assert slope > 1
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_a_pair_of_weight_zero_may_fit_infinitely_better(pairs):
     v, omega, x, y = pairs
     x = x.at[0].set(v * omega)

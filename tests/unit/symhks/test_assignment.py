@@ -3,73 +3,18 @@
 import numpy as np
 import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.spatial.distance import cdist
 
 from symjax.errors import InvalidArgumentError, MatchingError
 from symjax.symhks.assignment import (
-    MAX_SYMMETRIC_POINTS,
     SIGN_PENALTY,
     assign_pairs,
     least_assignment,
     possible_pairs,
     sign_penalty_cost,
 )
+from tests.helpers.matchings import assert_pairs, paper_program, random_cost, total
 
 SIZES = [(seed, num_points, q) for seed in range(4) for num_points, q in ((6, 1), (9, 3), (12, 4), (12, 6))]
-
-
-def random_cost(seed, num_points, prohibited=0.2):
-    """Symmetric costs in (0, 1) plus the penalty on a share of them, and on the diagonal."""
-    rng = np.random.default_rng(seed)
-    upper = np.triu(rng.random((num_points, num_points)), 1)
-    upper += np.triu(np.where(rng.random(upper.shape) < prohibited, SIGN_PENALTY, 0.0), 1)
-    return upper + upper.T + SIGN_PENALTY * np.eye(num_points)
-
-
-def total(cost, pairs):
-    return cost[pairs[:, 0], pairs[:, 1]].sum()
-
-
-def paper_program(cost, q, symmetric=False):
-    """The optimum of the paper's program over P, minimised, as it is printed: one binary for every p_ij."""
-    a = len(cost)
-    rows = np.kron(np.eye(a), np.ones((1, a)))
-    columns = np.kron(np.ones((1, a)), np.eye(a))
-    constraints = [
-        LinearConstraint(rows, -np.inf, 1),
-        LinearConstraint(columns, -np.inf, 1),
-        LinearConstraint(np.ones((1, a * a)), 2 * q, 2 * q),
-    ]
-    if symmetric:
-        transpose = np.eye(a * a)[np.arange(a * a).reshape(a, a).T.ravel()]
-        constraints.append(LinearConstraint(np.eye(a * a) - transpose, 0, 0))
-    result = milp(cost.ravel(), constraints=constraints, bounds=Bounds(0, 1), integrality=1, options={"mip_rel_gap": 0})
-    assert result.status == 0
-    return result.fun
-
-
-def matchings(points, q):
-    """Every set of q disjoint pairs of the points."""
-    if q == 0:
-        yield []
-    elif len(points) >= 2 * q:
-        first, rest = points[0], points[1:]
-        yield from matchings(rest, q)
-        for k, other in enumerate(rest):
-            for others in matchings(rest[:k] + rest[k + 1 :], q - 1):
-                yield [(first, other), *others]
-
-
-def assert_pairs(pairs, cost, num_points):
-    """What every answer keeps: i < j, no point twice, cheapest first, nothing prohibited."""
-    assert pairs.shape[1:] == (2,)
-    assert np.issubdtype(pairs.dtype, np.integer)
-    assert (pairs[:, 0] < pairs[:, 1]).all()
-    assert len(np.unique(pairs)) == pairs.size
-    assert pairs.size == 0 or 0 <= pairs.min() <= pairs.max() < num_points
-    costs = cost[pairs[:, 0], pairs[:, 1]]
-    assert (np.diff(costs) >= 0).all()
-    assert (costs < SIGN_PENALTY).all()
 
 
 class TestCost:
@@ -147,81 +92,6 @@ class TestAssignment:
         assert assign_pairs(cost, 3).shape == (0, 2)
         pairs = assign_pairs(cost, 3, symmetric=True)
         assert total(cost, pairs) == pytest.approx(502.0, abs=1e-6)
-
-
-class TestSymmetric:
-    @pytest.mark.parametrize("seed", range(6))
-    @pytest.mark.parametrize(("num_points", "q"), [(4, 2), (6, 2), (7, 3), (8, 1), (8, 3), (8, 4)])
-    def test_is_the_best_of_all_matchings(self, seed, num_points, q):
-        cost = random_cost(seed, num_points, prohibited=0.15)
-        costs = [sum(cost[pair] for pair in pairs) for pairs in matchings(list(range(num_points)), q)]
-        if min(costs) >= SIGN_PENALTY:
-            with pytest.raises(MatchingError):
-                assign_pairs(cost, q, symmetric=True)
-            return
-        pairs = assign_pairs(cost, q, symmetric=True)
-        assert_pairs(pairs, cost, num_points)
-        assert len(pairs) == q
-        assert total(cost, pairs) == pytest.approx(min(costs), abs=1e-8)
-
-    @pytest.mark.parametrize("seed", range(3))
-    def test_reaches_the_optimum_of_the_papers_program_with_symmetry(self, seed):
-        cost = random_cost(seed, 14)
-        pairs = assign_pairs(cost, 5, symmetric=True)
-        assert 2 * total(cost, pairs) == pytest.approx(paper_program(cost, 5, symmetric=True), abs=1e-8)
-
-    @pytest.mark.parametrize("seed", range(3))
-    def test_many_points_against_a_program_on_every_edge(self, seed):
-        """Enough points that edges are left out of the first program, and odd rings make the relaxation
-        fractional; the oracle has every edge and no cut.
-        """
-        points = np.random.default_rng(seed).normal(size=(41, 3))
-        cost, q = cdist(points, points), 20
-        i, j = np.triu_indices(41, 1)
-        incidence = np.zeros((41, len(i)))
-        incidence[i, np.arange(len(i))] = incidence[j, np.arange(len(i))] = 1
-        constraints = [LinearConstraint(incidence, ub=np.ones(41)), LinearConstraint(np.ones((1, len(i))), q, q)]
-        oracle = milp(
-            cost[i, j], constraints=constraints, bounds=Bounds(0, 1), integrality=1, options={"mip_rel_gap": 0}
-        )
-        pairs = assign_pairs(cost, q, symmetric=True)
-        assert total(cost, pairs) == pytest.approx(oracle.fun, abs=1e-6)
-        directed = least_assignment(np.where(np.eye(41) > 0, np.inf, cost), 2 * q)
-        assert total(cost, directed) < 2 * oracle.fun - 1e-3, "the relaxation is not fractional: no test of cuts"
-
-    def test_costs_at_least_half_the_directed_optimum(self):
-        cost = random_cost(3, 40)
-        directed = least_assignment(np.where(cost >= SIGN_PENALTY, np.inf, cost), 20)
-        pairs = assign_pairs(cost, 10, symmetric=True)
-        assert len(pairs) == 10
-        assert total(cost, pairs) >= total(cost, directed) / 2 - 1e-8
-
-    def test_clusters_of_three_with_equal_costs(self):
-        """Every relaxation of it is fractional: ten triangles at no cost, one free pair each."""
-        points = np.repeat(np.random.default_rng(0).normal(size=(10, 3)), 3, axis=0)
-        cost = cdist(points, points)
-        assert total(cost, assign_pairs(cost, 10, symmetric=True)) == pytest.approx(0, abs=1e-7)
-        dear = assign_pairs(cost, 11, symmetric=True)
-        assert total(cost, dear) == pytest.approx(cost[cost > 0].min(), abs=1e-7)
-
-    def test_equal_costs_everywhere(self):
-        pairs = assign_pairs(np.zeros((30, 30)), 15, symmetric=True)
-        assert_pairs(pairs, np.zeros((30, 30)), 30)
-        assert len(pairs) == 15
-
-    def test_an_odd_ring_of_allowed_pairs_holds_fewer_than_its_relaxation(self):
-        """A triangle and a triangle: three pairs for the relaxation, two in truth."""
-        cost = np.full((6, 6), np.inf)
-        cost[:3, :3] = cost[3:, 3:] = 1.0
-        assert possible_pairs(cost) == 3
-        assert len(assign_pairs(cost, 2, symmetric=True)) == 2
-        with pytest.raises(MatchingError, match="ask for fewer"):
-            assign_pairs(cost, 3, symmetric=True)
-
-    def test_refuses_a_set_too_large(self):
-        num_points = MAX_SYMMETRIC_POINTS + 1
-        with pytest.raises(InvalidArgumentError, match="use fewer keypoints"):
-            assign_pairs(np.zeros((num_points, num_points)), 3, symmetric=True)
 
 
 @pytest.mark.parametrize("symmetric", [False, True])

@@ -33,7 +33,7 @@ def is_double(fit):
     return len(leaves) >= 8 and all((2 * leaf).dtype == np.float64 for leaf in leaves)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 @pytest.mark.parametrize("given", [lambda points: points, lambda points: points.tolist()], ids=["array", "list"])
 def test_a_fit_of_float64_pairs_is_float64(pairs, given):
     fit = fit_plane(given(pairs.x), given(pairs.y), SIGMA, pairs.normal, tol=1e-12)
@@ -51,7 +51,7 @@ def test_it_is_the_fit_under_x64(pairs):
         np.testing.assert_array_equal(a, b)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_so_is_every_other_function_of_pairs(pairs):
     for sigma in (SIGMA, "auto"):
         fit = fit_global(pairs.x, pairs.y, sigma, num_hypotheses=64, num_refined=4)
@@ -69,7 +69,7 @@ def test_so_is_every_other_function_of_pairs(pairs):
     assert is_double(sweep_clouds([(pairs.x, pairs.y)] * 2, [SIGMA, 0.1], restarts=4))
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_jax_arrays_and_traced_pairs_keep_their_type(pairs):
     x, y = np.float32(pairs.x), np.float32(pairs.y)
     fits = [

@@ -40,7 +40,7 @@ def test_armijo_step_decreases_enough_and_never_exceeds_the_first(name, step):
     assert 0 < trial.step <= step
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_no_step_is_found_where_the_slope_lies():
     def curve(t):
         return Trial(t, t[None], 1 + t, jnp.ones(1), jnp.ones(()))

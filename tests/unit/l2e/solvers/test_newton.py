@@ -167,7 +167,7 @@ def test_a_solve_below_rounding_stalls(half, name):
     assert found.num_steps.max() < 100
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_converges_from_anywhere():
     p, x, y = planted(1, 0.5)
     starts = jnp.asarray(anywhere(p, 2), jnp.float32)

@@ -90,7 +90,7 @@ def test_same_optimum_as_jaxopts_projected_gradient(problem, optimum):
     np.testing.assert_allclose(solver.run(z0, None).params, optimum.point, atol=1e-6)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_stays_float32_and_converges(rng):
     H = jnp.asarray(symmetric(rng, 1)[0], jnp.float32)
     v0 = jnp.asarray([0.6, 0.0, 0.8], jnp.float32)

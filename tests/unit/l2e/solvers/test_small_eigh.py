@@ -53,7 +53,7 @@ def test_other_sizes(rng, size):
     check(matrices, *eigh(jnp.asarray(matrices)), np.finfo(float).eps)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32(rng):
     single = symmetric(rng, 500, 3).astype(np.float32)
     values, vectors = eigh(jnp.asarray(single))

@@ -55,7 +55,7 @@ def test_plain_average_is_the_fixed_point_of_its_definition(rng):
     assert deviation_angle(grassmann_average(jnp.asarray(u)), average_by_hand(u)) < 1e-9
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_trimming_resists_outliers_that_turn_the_plain_average(rng):
     # few and long enough to shift a mean, not enough to become the principal direction
     u = line_with_outliers(rng, 10)

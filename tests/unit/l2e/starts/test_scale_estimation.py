@@ -128,7 +128,7 @@ def test_no_mirror_pairs_at_all_give_no_small_scale():
     assert fit.sigma > 20 * NOISE
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_float32_stays_float32():
     p = planted_pairs(np.random.default_rng(10), NUM, 0.5)
     fit = estimated(np.float32(p.x), np.float32(p.y))

@@ -36,7 +36,7 @@ def test_tangent_is_that_of_perturbation_theory(theta):
     np.testing.assert_allclose(tangent, perturbation(A, E), atol=1e-13)
 
 
-@pytest.mark.core
+@pytest.mark.any_precision
 def test_reverse_is_the_transpose_of_forward(theta):
     A, E = theta
     forward = jax.jvp(eigenvector, (A,), (E,))[1]
