@@ -28,8 +28,6 @@ STUDIES = {
     "coverage": "robust.coverage:STUDY",
     "equivariance": "robust.equivariance:STUDY",
     "sphere": "symhks.sphere:STUDY",
-    "checks": "estimator.checks:STUDY",
-    "transformations": "estimator.transformations:STUDY",
     "gradient": "estimator.gradient:STUDY",
     "success": "estimator.success:STUDY",
     "self_scale": "estimator.self_scale:STUDY",

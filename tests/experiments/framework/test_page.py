@@ -28,11 +28,11 @@ def test_the_page_depends_on_the_files_alone_and_keeps_the_order(tmp_path):
 
 
 def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
-    for name in ("sphere", "checks", "end_to_end"):
+    for name in ("sphere", "gradient", "end_to_end"):
         left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
-    text = page(tmp_path, tmp_path, {"checks": "failed with status 1", "end_to_end": "data absent"})
+    text = page(tmp_path, tmp_path, {"gradient": "failed with status 1", "end_to_end": "data absent"})
     assert "## sphere" in text
-    for name, why in (("checks", "failed with status 1"), ("end_to_end", "data absent"), ("planted", "not run")):
+    for name, why in (("gradient", "failed with status 1"), ("end_to_end", "data absent"), ("planted", "not run")):
         assert f"## {name}" not in text
         assert f"`{name}` ({why})" in text
 

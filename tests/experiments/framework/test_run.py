@@ -127,7 +127,7 @@ def test_several_studies_run_one_process_after_the_other(tmp_path, capsys):
 
 
 def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypatch):
-    outcomes = {"checks": "failed with status 2", "end_to_end": "data absent"}
+    outcomes = {"gradient": "failed with status 2", "end_to_end": "data absent"}
     asked = []
 
     def ended(name, arguments, environment):
@@ -138,16 +138,16 @@ def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypa
     monkeypatch.setattr(run_all, "_run", ended)
     assert run.main(["all", "--size", "small", "--out", str(tmp_path)]) == 1
     assert asked == [(name, "--size", "small", "--out", str(tmp_path)) for name in STUDIES]
-    assert capsys.readouterr().out.splitlines()[-2:] == ["end_to_end: data absent", "checks: failed with status 2"]
+    assert capsys.readouterr().out.splitlines()[-2:] == ["end_to_end: data absent", "gradient: failed with status 2"]
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "| 1 |" in section(text, "sphere")
-    assert "## checks" not in text
-    assert "`end_to_end` (data absent), `checks` (failed with status 2)" in text
+    assert "## gradient" not in text
+    assert "`end_to_end` (data absent), `gradient` (failed with status 2)" in text
 
 
 def test_absent_data_is_no_failure(monkeypatch):
     monkeypatch.setattr(run_all, "_run", lambda *_: "data absent")
-    assert run.main(["sphere", "checks"]) == 0
+    assert run.main(["sphere", "gradient"]) == 0
 
 
 @pytest.mark.parametrize(("status", "outcome"), [(0, ""), (1, "failed with status 1"), (NOT_MEASURED, "data absent")])

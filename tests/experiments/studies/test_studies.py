@@ -58,7 +58,6 @@ TINY = {
 SLOW = ("gradient", "planted", "self_scale", "speed_fit", "speed_objective", "speed_sweep", "success")
 """Their fits compile for half a minute each."""
 
-CHECKS = ("checks", "transformations")
 DRAWN = (
     *("arena", "articulated", "completion", "deviation", "growth", "landscape", "missing"),
     *("outliers", "precision_recall", "start_angle", "sym_hks_ablation"),
@@ -71,7 +70,7 @@ def rows_of(path):
 
 
 def test_every_study_is_run_here():
-    assert set(TINY) | set(CHECKS) == set(STUDIES)
+    assert set(TINY) == set(STUDIES)
     assert {name for name in STUDIES if load(name).draw} == set(DRAWN)
 
 
@@ -86,15 +85,6 @@ def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
         assert (tmp_path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
     assert f"{name} (small)" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CHECKS)
-def test_the_checks_meet_their_targets(name, tmp_path):
-    assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), "--problems", "2"]) == 0
-    rows = rows_of(tmp_path / f"{name}.csv")
-    assert len(rows) > 8
-    assert [row["check"] for row in rows if row["passed"] != "True"] == []
 
 
 def test_the_estimator_withstands_what_the_baseline_does_not():
