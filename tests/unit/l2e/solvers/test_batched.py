@@ -113,7 +113,7 @@ STARTS = fibonacci(150)
 def many():
     """Newton's solves, of very different cost; some run out of steps."""
     fits = swept(STARTS)
-    assert len(np.unique(fits.message)) == 2
+    assert len(np.unique(fits.status)) == 2
     return fits
 
 

@@ -1,5 +1,8 @@
 """A minimiser of optimistix reaches the optimum of our own solvers, with our derivatives."""
 
+import subprocess
+import sys
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -85,6 +88,11 @@ def test_minimisers_of_equal_options_are_compiled_once(pairs):
     compiled = _fit_plane._cache_size()
     fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=1e-8, atol=1e-8))
     assert _fit_plane._cache_size() == compiled
+
+
+def test_optimistix_is_imported_when_it_is_used():
+    program = "import sys; import symjax.l2e.fit_plane, symjax.l2e.sweep; assert 'optimistix' not in sys.modules"
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_what_is_no_solver_is_refused(pairs):
