@@ -94,9 +94,8 @@ def _costs(
     def cost(v: Float[Array, "3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         mean = jnp.mean(0.5 * (x + y), axis=0)
         squares = jnp.mean(squared_residuals(v, jnp.sum(v * mean), x, y))
-        offsets = jnp.quantile(
-            jnp.sum(0.5 * (x + y) * v[None, :], axis=1), (jnp.arange(NUM_OFFSETS) + 0.5) / NUM_OFFSETS
-        )
+        shares = jnp.asarray((np.arange(NUM_OFFSETS) + 0.5) / NUM_OFFSETS, x.dtype)
+        offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
         return squares, -jnp.max(jax.vmap(lambda omega: l2e_objective(v, omega, jnp.asarray(sigma), x, y))(offsets))
 
     return jax.lax.map(cost, normals, batch_size=64)

@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import optimistix
 import pytest
 from scipy.spatial import cKDTree
 
@@ -124,9 +125,11 @@ def test_repeated_runs_agree_bit_for_bit(cloud, detection):
     assert (again.plane.offset, again.threshold) == (detection.plane.offset, detection.threshold)
 
 
-def test_both_solvers_reach_the_same_plane(cloud, detection):
-    alternating = detect(cloud, solver="alternating", restarts=8)
-    assert alternating.plane.angle(detection.plane) < 1e-3
+@pytest.mark.parametrize("solver", ["alternating", optimistix.BFGS(rtol=1e-8, atol=1e-8)], ids=["alternating", "optx"])
+def test_every_solver_reaches_the_same_plane(cloud, detection, solver):
+    other = detect(cloud, solver=solver, restarts=8)
+    assert other.converged
+    assert other.plane.angle(detection.plane) < 1e-3
 
 
 def test_the_papers_own_settings_run(cloud):
