@@ -44,6 +44,7 @@ def test_among_90_per_cent_outliers_of_which_half_follow_a_second_plane(sigma):
         assert_found(fit_global(p.x, p.y, sigma), p)
 
 
+@pytest.mark.slow
 def test_among_more_pairs_than_the_planes_are_refined_on_at_first():
     for seed in SEEDS:
         p = planted_pairs(np.random.default_rng(seed), 3 * NUM, 0.95)
@@ -175,6 +176,7 @@ def test_bad_arguments_are_refused_before_anything_is_computed(monkeypatch, chan
         fit_global(**{**GOOD, **change})
 
 
+@pytest.mark.slow
 def test_few_pairs_hypotheses_and_planes_will_do():
     x = np.array([[1.0, 0, 2], [0, 1, 1], [2, 1, 3]])
     fit = fit_global(x, x * [1, 1, -1], 0.5, num_hypotheses=2, num_refined=1)

@@ -38,7 +38,7 @@ def trial(seed, sigma):
     return errors, np.square(expected), found.plane.contains(plane, Plane(p.normal, np.float64(p.offset)))
 
 
-@pytest.mark.parametrize(("sigma", "trials"), [(NOISE, 300), ("auto", 200)])
+@pytest.mark.parametrize(("sigma", "trials"), [(NOISE, 300), pytest.param("auto", 200, marks=pytest.mark.slow)])
 def test_they_are_the_spread_and_the_region_holds_the_truth(sigma, trials):
     errors, expected, inside = zip(*(trial(1000 + k, sigma) for k in range(trials)), strict=True)
     ratio = np.sqrt(np.mean(errors, axis=0)[[0, 1, 3]] / np.mean(expected, axis=0)[[0, 1, 3]])

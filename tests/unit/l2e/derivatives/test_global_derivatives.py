@@ -75,6 +75,7 @@ def test_derivatives_are_those_of_central_differences(smooth, by_global):
     np.testing.assert_allclose((high - low) / (2 * step), forward, rtol=1e-6, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_clouds_go_through_vmap_and_jit(smooth, by_global):
     """And the gradient of each is its own."""
     clouds = [planted_pairs(np.random.default_rng(seed), NUM, 0.8) for seed in (31, 32)]

@@ -8,6 +8,8 @@ import pytest
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit_plane import fit_plane
 
+pytestmark = pytest.mark.slow
+
 NUM = 250
 NAMES = ("normal x", "normal y", "normal z", "offset", "loss", "sigma", "share")
 

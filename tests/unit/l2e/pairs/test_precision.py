@@ -51,6 +51,7 @@ def test_it_is_the_fit_under_x64(pairs):
         np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.slow
 @pytest.mark.any_precision
 def test_so_is_every_other_function_of_pairs(pairs):
     for sigma in (SIGMA, "auto"):
@@ -69,6 +70,7 @@ def test_so_is_every_other_function_of_pairs(pairs):
     assert is_double(sweep_clouds([(pairs.x, pairs.y)] * 2, [SIGMA, 0.1], restarts=4))
 
 
+@pytest.mark.slow
 @pytest.mark.any_precision
 def test_float32_jax_arrays_and_traced_pairs_keep_their_type(pairs):
     x, y = np.float32(pairs.x), np.float32(pairs.y)

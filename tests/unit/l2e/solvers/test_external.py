@@ -31,6 +31,7 @@ def same(fit, expected, atol=1e-6):
     np.testing.assert_allclose(fit.loss, expected.loss, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_best_of_many_starts_is_that_of_our_solvers(pairs):
     starts = fibonacci(40)
     found = sweep(pairs.x, pairs.y, [SIGMA, 0.2], starts, solver=BFGS)

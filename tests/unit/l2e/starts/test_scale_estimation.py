@@ -79,6 +79,11 @@ def test_it_is_the_minimum_of_the_partial_density_criterion(pairs, expected):
     np.testing.assert_allclose(expected.loss, criterion(z), rtol=1e-8)
 
 
+def test_its_scale_is_no_reason_for_a_note_and_its_start_is_kept(expected):
+    assert expected.message == Status.SUCCESSFUL.sentence
+    assert expected.start.normal.shape == (3,)
+
+
 def test_share_is_that_of_the_weights(pairs, expected):
     f = squared_residuals(*expected.plane, jnp.asarray(pairs.x), jnp.asarray(pairs.y))
     share = 2**1.5 * jnp.mean(jnp.exp(-f / (2 * expected.sigma**2)))
@@ -128,6 +133,7 @@ def test_no_mirror_pairs_at_all_give_no_small_scale():
     assert fit.sigma > 20 * NOISE
 
 
+@pytest.mark.slow
 @pytest.mark.any_precision
 def test_float32_stays_float32():
     p = planted_pairs(np.random.default_rng(10), NUM, 0.5)

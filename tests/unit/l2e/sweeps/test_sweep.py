@@ -45,7 +45,7 @@ def test_even_and_random_starts_are_those_of_the_sphere(pairs, even):
     assert not np.allclose(found.num_steps, swept(pairs, "random", key=jax.random.key(4)).num_steps)
 
 
-@pytest.mark.parametrize("name", NORMALS)
+@pytest.mark.parametrize("name", ["rga", *(pytest.param(name, marks=pytest.mark.slow) for name in ("pca", "l2"))])
 def test_a_start_that_is_one_normal_is_that_normal(pairs, name):
     """There is one of it, however many restarts are asked for."""
     normal = NORMALS[name](jnp.asarray(pairs.x), jnp.asarray(pairs.y))
