@@ -34,7 +34,7 @@ def pytest_collection_modifyitems(items):
     folders = [*(TESTS / name for name in CORE), *(TESTS / "unit" / name for name in CORE_PACKAGES)]
     for item in items:
         quick = item.get_closest_marker("any_precision") or any(item.path.is_relative_to(folder) for folder in folders)
-        if quick and not item.get_closest_marker("slow"):
+        if quick and not any(item.get_closest_marker(name) for name in ("slow", "network")):
             item.add_marker(pytest.mark.core)
         if "models" in item.fixturenames:
             item.add_marker(pytest.mark.models)
