@@ -12,6 +12,7 @@ from symjax.l2e import fit_plane as fit_plane_module
 from symjax.l2e.fit_global import fit_global
 from symjax.l2e.fit_plane import fit_plane
 from symjax.l2e.objective import squared_residuals
+from symjax.l2e.status import Status
 
 NUM = 2000
 
