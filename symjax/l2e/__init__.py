@@ -2,7 +2,7 @@
 
 `fit_plane` fits from one start, `fit_global` looks for the best plane of all, `sweep` tries many scales σ and starts.
 All go the same way: `pairs` checks, pads and normalizes what is given, `starts` proposes planes, `objective`,
-`features` and `criterion` define what is minimised, on `manifolds`, by one of the `solvers`; `pairs.unscale` takes the
+`features` and `criterion` define what is minimised, on `manifolds`, by one of the `solvers`; `fit` takes the
 minimum back to the units of the points, with its derivatives (`implicit`). `standard_errors` says how sure a fit is,
 `status` how a solve ended.
 """

@@ -8,13 +8,12 @@ from jaxtyping import Array, ArrayLike, Float
 
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
-from symjax.l2e.fit import Fit
+from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.manifolds import normalise
 from symjax.l2e.pairs.arguments import Sigma, checked_name, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
-from symjax.l2e.pairs.precision import float64_as_given
-from symjax.l2e.pairs.unscale import unscale
+from symjax.l2e.precision import float64_as_given
 from symjax.l2e.solvers.base import Limits, solve
 from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver

@@ -28,15 +28,6 @@ def retract(v: Float[Array, "3"], u: Float[Array, "3"]) -> Float[Array, "3"]:
     return normalise(v + u)
 
 
-def exponential(v: Float[Array, "3"], u: Float[Array, "3"]) -> Float[Array, "3"]:
-    """The end of the great circle that leaves v with velocity u: cos‖u‖ v + sin‖u‖ u/‖u‖."""
-    square = _dot(u, u)
-    length = jnp.sqrt(jnp.where(square > 0, square, 1))
-    sinc = jnp.where(square > 0, jnp.sin(length) / length, 1)
-    cosine = jnp.where(square > 0, jnp.cos(length), 1)
-    return normalise(cosine * v + sinc * u)
-
-
 def transport(v: Float[Array, "3"], w: Float[Array, "3"]) -> Float[Array, "3 3"]:
     """The isometry T = I − (v+w)(v+w)ᵀ/(1+v·w) + 2wvᵀ: parallel transport from v to w (T v = w).
 

@@ -9,6 +9,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from symjax.l2e.precision import float64_as_given
+
 Vector = Float[Array, "3"]
 Scalar = Float[Array, ""]
 Real = float | Scalar
@@ -34,25 +36,19 @@ def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float
     return 4 * ((_along(m, v) - omega) ** 2 + across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
 
 
-def polynomial_f(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
-    """f_i as printed before Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ.
-
-    It loses digits to cancellation; `squared_residuals` is the form to compute with.
-    """
-    square = jnp.sum((x - y) ** 2, axis=1)
-    return 4 * _along(x, v) * _along(y, v) + square - 4 * omega * _along(x + y, v) + 4 * omega**2
-
-
+@float64_as_given
 def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
     """exp(−f_i/2σ²): 1 for a pair that the plane mirrors exactly, 0 for an outlier."""
     return jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
 
 
+@float64_as_given
 def l2e_objective(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Scalar:
     """f(v, ω) of Eq. 5, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
     return 2 * jnp.mean(l2e_weights(v, omega, sigma, x, y)) / (2 * math.pi * sigma**2) ** 1.5
 
 
+@float64_as_given
 def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> tuple[Vector, Scalar]:
     """The closed forms of the paper: (∇_v f, ∂f/∂ω) of the `l2e_objective`, as sums over the pairs.
 
@@ -68,6 +64,7 @@ def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds)
     return 4 * grad_v / scale, 4 * grad_omega / scale
 
 
+@float64_as_given
 def l2e_loss(
     v: Vector,
     omega: Real,

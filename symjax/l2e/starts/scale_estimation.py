@@ -12,12 +12,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from symjax.l2e.criterion import Expansion
-from symjax.l2e.fit import Fit
+from symjax.l2e.fit import FRACTION, Fit, unscale_plane
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import log_objective, squared_residuals
 from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
-from symjax.l2e.pairs.unscale import FRACTION, unscale_plane
 from symjax.l2e.solvers.base import Limits, Minimum, solve
 from symjax.l2e.solvers.newton import newton
 from symjax.l2e.starts.hypotheses import Hypotheses, rank_hypotheses

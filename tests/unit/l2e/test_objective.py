@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from symjax.l2e import objective
-from symjax.l2e.manifolds import exponential, tangent_projection
+from symjax.l2e.manifolds import tangent_projection
+from tests.helpers.formulas import exponential, polynomial_f
 
 SIGMA = 0.3
 
@@ -23,7 +24,7 @@ def test_residual_is_the_distance_from_the_mirror_image(pairs):
 
 
 def test_residual_is_the_papers_polynomial_on_the_sphere(pairs):
-    np.testing.assert_allclose(objective.squared_residuals(*pairs), objective.polynomial_f(*pairs), rtol=1e-12)
+    np.testing.assert_allclose(objective.squared_residuals(*pairs), polynomial_f(*pairs), rtol=1e-12)
 
 
 def test_residual_ignores_order_and_orientation(pairs):
@@ -46,7 +47,7 @@ def test_closed_form_is_the_euclidean_gradient_of_the_papers_polynomial(pairs):
     v, omega, x, y = pairs
 
     def printed(v, omega):
-        f_i = objective.polynomial_f(v, omega, x, y)
+        f_i = polynomial_f(v, omega, x, y)
         return 2 / len(x) * jnp.sum(jnp.exp(-f_i / (2 * SIGMA**2))) / (2 * jnp.pi * SIGMA**2) ** 1.5
 
     expected = jax.grad(printed, argnums=(0, 1))(v, omega)

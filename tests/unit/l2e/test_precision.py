@@ -9,6 +9,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit import best
 from symjax.l2e.fit_global import fit_global
 from symjax.l2e.fit_plane import fit_plane
+from symjax.l2e.objective import l2e_loss
 from symjax.l2e.standard_errors import standard_errors
 from symjax.l2e.sweep import sweep, sweep_clouds
 
@@ -49,6 +50,19 @@ def test_it_is_the_fit_under_x64(pairs):
         expected = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal)
     for a, b in zip(jax.tree.leaves(fit), jax.tree.leaves(expected), strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.any_precision
+def test_so_is_the_loss_of_a_plane(pairs):
+    x, y = pairs.x, pairs.y
+    with jax.enable_x64(True):
+        expected = l2e_loss(pairs.normal, pairs.offset, SIGMA, x, y)
+    loss = l2e_loss(pairs.normal, pairs.offset, SIGMA, x, y)
+    assert loss.dtype == np.float64
+    np.testing.assert_array_equal(loss, expected)
+    single = l2e_loss(*(jnp.float32(part) for part in (pairs.normal, pairs.offset, SIGMA, x, y)))
+    assert isinstance(single, jax.Array)
+    assert single.dtype == jnp.float32
 
 
 @pytest.mark.slow
