@@ -29,7 +29,7 @@ PER_SCALE = 4
 """Planes that it begins with at each."""
 
 NUM_SAMPLED = 1024
-"""Pairs that it looks at; the last solve takes all."""
+"""Number of pairs sampled for the search; the final solve uses all pairs."""
 
 LEAST_SUPPORT = 20
 """Mirror pairs, ρn, below which an optimum is none: three numbers fit any one pair exactly, at σ = 0."""

@@ -167,8 +167,11 @@ def test_few_pairs_are_no_convergence(num_pairs):
 
 
 def test_no_plane_on_a_handful_of_many_pairs_is_a_convergence():
+    converged = []
     for seed in range(6):
         p = planted_pairs(np.random.default_rng(seed), 200, 0.8)
         fit = estimated(p.x, p.y)
+        converged.append(bool(fit.converged))
         assert fit.converged == (fit.inlier_fraction * 200 >= 20)
         assert not fit.converged or deviation_angle(fit.plane.normal, p.normal) < 1
+    assert any(converged)
