@@ -36,6 +36,10 @@ class MatchingError(SymjaxError):
     """Too few correspondences were found to fit a plane."""
 
 
+class MethodError(SymjaxError):
+    """A method returned what is no result: no candidate, or parts that contradict each other."""
+
+
 class FileFormatError(SymjaxError):
     """A file is missing, unreadable, truncated, or of a format that is not read."""
 

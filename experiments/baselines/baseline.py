@@ -45,7 +45,7 @@ class Baseline(ABC):
         scores = ranking.scores.tolist()
         held = tuple(planes if self.several else planes[:1])[:max_planes]
         candidates = (Candidate(plane, score, score) for plane, score in zip(planes, scores, strict=True))
-        symmetry: Symmetry = "one plane" if len(held) == 1 else "several planes"
+        symmetry: Symmetry = "several planes" if len(held) > 1 else "one plane" if held else "none"
         return MethodResult(tuple(candidates)[:max_planes], held, symmetry)
 
 

@@ -9,16 +9,21 @@ from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from symjax.detection.result import Detection, Pairs
-from symjax.errors import InvalidArgumentError
+from symjax.errors import InvalidArgumentError, MethodError
+from symjax.geometry.checks import choice, whole
 from symjax.io.points import read_points
 from symjax.method.protocol import Method
 from symjax.method.result import MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import MAX_POINTS, Cloud, prepare
 from symjax.preprocess.validation import as_points
+from symjax.robust.method import Robust
+from symjax.symhks.method import SymHKS
 
-METHODS = ("robust", "sym-hks")
-"""The methods that have a name; `Robust()` and `SymHKS()`."""
+NAMED: dict[str, type[Robust] | type[SymHKS]] = {"robust": Robust, "sym-hks": SymHKS}
+
+METHODS = tuple(NAMED)
+"""The names of methods."""
 
 MAX_PLANES = 9
 """Candidates returned: a cube has nine planes."""
@@ -67,8 +72,7 @@ def detect(
         >>> det.plane.normal, det.found  # doctest: +SKIP
     """
     chosen = method_of(method)
-    if not isinstance(max_planes, (int, np.integer)) or max_planes < 1:
-        raise InvalidArgumentError(f"max_planes must be a whole number, at least 1, not {max_planes!r}")
+    max_planes = whole("max_planes", max_planes, 1)
     seed, generator = _seeded(rng)
     timer = StageTimer(progress)
     reading: tuple[str, ...] = ()
@@ -86,9 +90,11 @@ def detect(
             remove_ground=remove_ground,
         )
         given = as_points(points)
-    found = chosen.find(cloud, max_planes=int(max_planes), rng=generator, timer=timer)
+    found = chosen.find(cloud, max_planes=max_planes, rng=generator, timer=timer)
+    if not found.candidates:
+        raise MethodError(f"the method {chosen.name!r} returned no candidate: at least one is needed")
     return _in_given_units(
-        found, cloud, given, method=chosen.name, max_planes=int(max_planes), seed=seed, reading=reading, timer=timer
+        found, cloud, given, method=chosen.name, max_planes=max_planes, seed=seed, reading=reading, timer=timer
     )
 
 
@@ -98,18 +104,9 @@ def method_of(method: str | Method) -> Method:
     Raises:
         InvalidArgumentError: an unknown name, or an object that is no `Method`.
     """
-    if method == "robust":
-        from symjax.robust.method import Robust
-
-        return Robust()
-    if method == "sym-hks":
-        from symjax.symhks.method import SymHKS
-
-        return SymHKS()
     if isinstance(method, str):
-        raise InvalidArgumentError(
-            f"method {method!r} is unknown: choose one of {', '.join(METHODS)}; or pass a Method"
-        )
+        choice("method", method, NAMED)
+        return NAMED[method]()
     if isinstance(method, type) or not isinstance(method, Method):
         raise InvalidArgumentError(f"method must be a name or a Method, such as symjax.Robust(), not {method!r}")
     return method
@@ -146,7 +143,7 @@ def _in_given_units(
         ambiguous=found.ambiguous,
         symmetry=found.symmetry,
         axis=None if axis is None else (np.asarray(to_given.points(axis[0])), np.asarray(to_given.directions(axis[1]))),
-        planes=tuple(to_given.plane(plane).canonical() for plane in found.planes),
+        planes=tuple(to_given.plane(plane).canonical() for plane in found.planes[:max_planes]),
         score=best.score,
         threshold=found.threshold,
         candidates=candidates,

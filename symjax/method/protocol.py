@@ -37,7 +37,7 @@ class Method(Protocol):
 
     @property
     def drops_outliers(self) -> bool:
-        """Whether `detect` leaves scattered outliers out before the method sees the cloud, unless it is told."""
+        """Whether `detect` leaves scattered outliers out first, unless `drop_outliers` is given."""
         ...
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
@@ -45,7 +45,7 @@ class Method(Protocol):
 
         Args:
             cloud: distinct points in their own frame, in units of their diagonal, with normals if they were given.
-            max_planes: most candidates that are returned.
+            max_planes: most candidates that `detect` keeps; a method may stop there.
             rng: generator of everything random.
             timer: `with timer.stage("name"):` announces and times a stage.
         """

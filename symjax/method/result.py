@@ -1,11 +1,12 @@
 """What a method finds, in the frame and the units of the cloud: `detect` brings it into those of the given points."""
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from symjax.errors import MethodError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 
@@ -68,3 +69,10 @@ class MethodResult:
     message: str = ""
     uncertainty: Uncertainty | None = None
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises MethodError for a symmetry that is unknown, or that contradicts `ambiguous`."""
+        if self.symmetry not in get_args(Symmetry):
+            raise MethodError(f"symmetry {self.symmetry!r} is unknown: it is one of {', '.join(get_args(Symmetry))}")
+        if self.ambiguous and self.symmetry in ("none", "one plane"):
+            raise MethodError(f"symmetry {self.symmetry!r} is not ambiguous: other planes as good are several planes")

@@ -45,17 +45,26 @@ def require(count: int, what: str) -> None:
         )
 
 
-def finite_rows(points: Float[np.ndarray, "n 3"], nonfinite: str, notes: list[str]) -> Int[np.ndarray, "m"]:
-    """Rows without NaN and infinity; with `nonfinite="raise"`, NonfiniteError if that is not all of them."""
+def finite_rows(
+    points: Float[np.ndarray, "n d"], nonfinite: str, notes: list[str], *, noun: str = "points"
+) -> Int[np.ndarray, "m"]:
+    """Rows without NaN and infinity; with `nonfinite="raise"`, NonfiniteError if that is not all of them.
+
+    Args:
+        points: one a row.
+        nonfinite: `"raise"`, or `"drop"`.
+        notes: a sentence is added to them if rows are dropped.
+        noun: what the rows are.
+    """
     finite = np.isfinite(points).all(axis=1)
     bad = int(len(points) - np.count_nonzero(finite))
     if bad and nonfinite == "raise":
         raise NonfiniteError(
-            f"{bad} of {len(points)} points are NaN or infinite, the first at index {int(np.argmin(finite))}: "
+            f"{bad} of {len(points)} {noun} are NaN or infinite, the first at index {int(np.argmin(finite))}: "
             "remove them, or pass nonfinite='drop'"
         )
     if bad:
-        notes.append(f"{bad} of {len(points)} points were NaN or infinite and were dropped")
+        notes.append(f"{bad} of {len(points)} {noun} were NaN or infinite and were dropped")
     return np.flatnonzero(finite)
 
 

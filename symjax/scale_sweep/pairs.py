@@ -66,7 +66,7 @@ def given_pairs(
         DegenerateCloudError: all ends are one point.
     """
     notes: list[str] = []
-    rows = finite_rows(np.concatenate([x, y], axis=1), nonfinite, notes)
+    rows = finite_rows(np.concatenate([x, y], axis=1), nonfinite, notes, noun="pairs")
     if len(rows) < MIN_PAIRS:
         raise TooFewPointsError(f"{len(rows)} pairs are too few: a plane takes {MIN_PAIRS} or more")
     x, y = x[rows], y[rows]

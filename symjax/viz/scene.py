@@ -12,12 +12,13 @@ from symjax.viz.drawable import Drawable
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
 """Turn of the view about the up direction, and its lift: both halves and the plane's face are seen."""
 
+AS_GOOD = "others are as good"
+
 OTHERS = {
-    "several planes": "others are as good",
     "axis": "all planes through an axis are as good",
     "sphere": "all planes through a centre are as good",
 }
-"""What the headline adds for an ambiguous detection, by its symmetry."""
+"""What the headline adds for an ambiguous detection, by its symmetry, in place of `AS_GOOD`."""
 
 MARGIN = 1.08
 """The quad reaches this much further than the cloud does."""
@@ -145,7 +146,7 @@ def headline(detection: Drawable) -> tuple[str, str]:
     if detection.inlier_fraction is not None:
         evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
     if detection.ambiguous:
-        evidence += f"; one of several: {OTHERS[detection.symmetry]}"
+        evidence += f"; one of several: {OTHERS.get(detection.symmetry, AS_GOOD)}"
     return f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}", evidence
 
 

@@ -136,7 +136,7 @@ def test_errors_are_one_line_and_status_2(run, pairs, tmp_path, monkeypatch):
         ([pairs, "--pairs", "--sigma", "0"], "0 is no scale"),
         ([pairs, "--pairs", "--restarts", 0], "--restarts"),
         ([pairs, "--pairs", "--start", "best"], "'best' is not one of"),
-        ([bad, "--pairs"], "5 of 5 points are NaN"),
+        ([bad, "--pairs"], "5 of 5 pairs are NaN"),
         ([bad, "--pairs", "--nonfinite", "drop"], "0 pairs are too few"),
         ([], "Missing argument 'FILE'"),
     ]:

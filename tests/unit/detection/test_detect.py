@@ -60,7 +60,7 @@ def test_what_a_method_does_not_say_is_none_and_the_detection_is_whole_all_the_s
     assert det.complete().shape == (800, 3)
     from symjax.detection.summary import lines
 
-    assert any("first axis" in line or "score" in line for line in lines(det))
+    assert "found     yes   (score -1.000)" in list(lines(det))
     det.plot(tmp_path / "page.html")
     det.picture(tmp_path / "picture.png")
 
@@ -90,6 +90,12 @@ def test_bad_normals_are_refused(cloud, normals):
         ({"rng": 1.5}, "rng"),
         ({"max_planes": 2.5}, "max_planes"),
         ({"max_planes": 0}, "max_planes"),
+        ({"max_planes": True}, "max_planes"),
+        ({"drop_outliers": "x"}, "drop_outliers"),
+        ({"remove_ground": 1}, "remove_ground"),
+        ({"max_points": "a"}, "max_points"),
+        ({"max_points": float("nan")}, "max_points"),
+        ({"max_points": 1000.5}, "max_points"),
         ({"method": "magic"}, "sym-hks"),
         ({"method": FirstAxis}, "Method"),
         ({"method": 3}, "Method"),

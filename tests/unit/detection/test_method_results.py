@@ -1,0 +1,57 @@
+"""What `detect` makes of the results of other people's methods, good and bad."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import symjax
+from symjax.errors import MethodError
+from symjax.geometry.plane import Plane
+from symjax.method.result import Candidate, MethodResult
+from symjax.viz.scene import headline
+from tests.helpers.detections import detection_of
+
+AXES = tuple(Plane(axis, np.float64(0.0)) for axis in np.eye(3))
+CANDIDATES = tuple(Candidate(plane, 1.0, 1.0) for plane in AXES)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A method that answers with what it is given."""
+
+    result: MethodResult
+    name: str = "answer"
+    drops_outliers: bool = False
+
+    def find(self, cloud, *, max_planes, rng, timer):
+        return self.result
+
+
+@pytest.fixture
+def cloud(rng):
+    return rng.normal(size=(100, 3))
+
+
+def test_a_method_without_a_candidate_is_named_in_the_error(cloud):
+    with pytest.raises(MethodError, match="'answer' returned no candidate"):
+        symjax.detect(cloud, Answer(MethodResult((), (), "none")))
+
+
+@pytest.mark.parametrize("most", [1, 2, 9])
+def test_no_more_candidates_and_planes_are_kept_than_asked_for(cloud, most):
+    found = symjax.detect(cloud, Answer(MethodResult(CANDIDATES, AXES, "several planes")), max_planes=most)
+    assert len(found.candidates) == len(found.planes) == min(most, 3)
+
+
+def test_a_result_that_contradicts_itself_is_refused():
+    with pytest.raises(MethodError, match="'one plane' is not ambiguous"):
+        MethodResult(CANDIDATES, AXES[:1], "one plane", ambiguous=True)
+    with pytest.raises(MethodError, match="'plane' is unknown"):
+        MethodResult(CANDIDATES, AXES[:1], "plane")
+    assert MethodResult(CANDIDATES, AXES, "several planes", ambiguous=True).ambiguous
+
+
+def test_the_headline_of_any_drawable_is_written(rng):
+    found = detection_of(rng.normal(size=(20, 3)), ambiguous=True, symmetry="one plane")
+    assert headline(found)[1].endswith("one of several: others are as good")
