@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Float
 
-from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import whole
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
@@ -92,8 +92,7 @@ def fit_global(
     """
     pairs = pad_pairs(x, y, weights)
     limits = checked_limits("newton", max_steps, tol, pairs.x.dtype)
-    for name, number in (("num_hypotheses", num_hypotheses), ("num_refined", num_refined)):
-        if number < 1:
-            raise InvalidArgumentError(f"{name} must be 1 or more, not {number}")
+    num_hypotheses = whole("num_hypotheses", num_hypotheses, 1)
+    num_refined = whole("num_refined", num_refined, 1)
     scale = checked_sigma(sigma, "newton", pairs.x.dtype)
     return _fit_global(pairs, scale, limits, num_hypotheses=num_hypotheses, num_refined=num_refined)

@@ -6,11 +6,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Float
 
+from symjax.geometry.checks import choice
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.manifolds import normalise
-from symjax.l2e.pairs.arguments import Sigma, checked_name, checked_normals, checked_sigma
+from symjax.l2e.pairs.arguments import Sigma, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.precision import float64_as_given
@@ -96,6 +97,6 @@ def fit_plane(
     limits = checked_limits(solver, max_steps, tol, pairs.x.dtype)
     scale = checked_sigma(sigma, solver, pairs.x.dtype)
     start = v0 if isinstance(v0, str) else "rga"
-    checked_name("v0", start, NORMALS)
+    choice("v0", start, NORMALS)
     normal = None if v0 is None or isinstance(v0, str) else checked_normals(v0, 1, pairs.x.dtype)
     return _fit_plane(pairs, scale, normal, limits, solver=solver, start=start)

@@ -9,12 +9,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Float, Int, PRNGKeyArray
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice, flag, whole
 from symjax.geometry.directions import fibonacci
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.manifolds import normalise, random_points
-from symjax.l2e.pairs.arguments import checked_name, checked_normals, checked_sigmas
+from symjax.l2e.pairs.arguments import checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.precision import float64_as_given
@@ -161,6 +162,7 @@ def sweep(
     dtype = pairs.x.dtype
     limits = checked_limits(solver, max_steps, tol, dtype)
     scales = checked_sigmas(sigmas, 1, dtype)
+    restarts, continuation = whole("restarts", restarts, 1), flag("continuation", continuation)
     start = v0s if isinstance(v0s, str) else None
     normals = _named_normals(start, restarts, key, dtype) if isinstance(v0s, str) else checked_normals(v0s, 2, dtype)
     options = _Options(solver, start if normals is None else None, restarts, continuation)
@@ -171,9 +173,7 @@ def _named_normals(
     start: str | None, restarts: int, key: PRNGKeyArray | None, dtype: Any
 ) -> Float[Array, "R 3"] | None:
     """The starting normals of a name that needs no pairs."""
-    checked_name("v0s", str(start), STARTS)
-    if restarts < 1:
-        raise InvalidArgumentError(f"restarts must be 1 or more, not {restarts}")
+    choice("v0s", start, STARTS)
     if (start == "random") != (key is not None):
         raise InvalidArgumentError("v0s='random' takes a key, jax.random.key(seed), and no other start does")
     if start == "fibonacci":

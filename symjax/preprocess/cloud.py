@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
-from symjax.errors import DegenerateCloudError, InvalidArgumentError, PrecisionWarning
+from symjax.errors import DegenerateCloudError, PrecisionWarning
+from symjax.geometry import checks
 from symjax.geometry.similarity import Similarity
 from symjax.preprocess.ground import ground_rows
 from symjax.preprocess.outliers import scattered
@@ -86,10 +87,10 @@ def prepare(
         DegenerateCloudError: the points coincide or lie on one line.
         InvalidArgumentError: an option is out of its range.
     """
-    if nonfinite not in ("raise", "drop"):
-        raise InvalidArgumentError(f"nonfinite must be 'raise' or 'drop', not {nonfinite!r}")
-    if max_points < MIN_POINTS:
-        raise InvalidArgumentError(f"max_points must be at least {MIN_POINTS}, not {max_points}")
+    checks.choice("nonfinite", nonfinite, ("raise", "drop"))
+    max_points = checks.whole("max_points", max_points, MIN_POINTS)
+    checks.flag("drop_outliers", drop_outliers)
+    checks.flag("remove_ground", remove_ground)
     given = as_points(points)
     notes: list[str] = []
     index = finite_rows(given, nonfinite, notes)
@@ -99,7 +100,11 @@ def prepare(
     rows = np.argsort(own.points[:, 0], kind="stable")
     cleaned = False
     if drop_outliers or remove_ground:
-        rows = rows[_evenly_noted(len(rows), max(DENSITY_POINTS, max_points), notes)]
+        most = max(DENSITY_POINTS, max_points)
+        if len(rows) > most:
+            sought = " and ".join(["outliers"] * drop_outliers + ["the ground"] * remove_ground)
+            notes.append(f"the search for {sought} used {most} of {len(rows)} points, drawn evenly")
+        rows = rows[evenly(len(rows), most)]
         rows = rows[distinct(own.points[rows], notes)]
         kept = rows[_kept(own.points[rows], notes, drop_outliers=drop_outliers, remove_ground=remove_ground)]
         cleaned = len(kept) < len(rows)
@@ -120,12 +125,6 @@ def prepare(
     if normals is not None:
         of_points = np.asarray(own.to_given.inverse().directions(as_normals(normals, given.shape, index[rows])))
     return Cloud(own.points[rows], of_points, index[rows], own.to_given, len(given), cleaned, tuple(notes))
-
-
-def _evenly_noted(count: int, most: int, notes: list[str]) -> Int[np.ndarray, "m"]:
-    if count > most:
-        notes.append(f"outliers were looked for among {most} of {count} points, drawn evenly")
-    return evenly(count, most)
 
 
 def _kept(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from symjax.errors import InvalidArgumentError
+from symjax.geometry import checks
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
 from symjax.robust.distinct import SAME_OFFSET
@@ -77,9 +77,7 @@ class FoundThresholds:
     def __post_init__(self) -> None:
         """Raises InvalidArgumentError for a number that is negative or not finite."""
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not (np.isfinite(value) and value >= 0):
-                raise InvalidArgumentError(f"{field.name} must be finite and at least 0, not {value}")
+            checks.number(field.name, getattr(self, field.name), least=0)
 
     def threshold(self, exactness: Any, background: Any, noise: Any) -> Float[np.ndarray, "*n"]:
         """The score that a plane must exceed.

@@ -1,11 +1,12 @@
 """The robust method: surface, candidates, scores, refinement and classification."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry import checks
 from symjax.geometry.plane import Plane
 from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
@@ -88,15 +89,13 @@ class Robust:
         if self.init is not None:
             object.__setattr__(self, "init", _checked_plane(self.init))
         for name in ("boundary_penalty", "refine_above", "chance_exactness", "inlier_agreement"):
-            value = getattr(self, name)
-            if not 0 <= value <= 1:
-                raise InvalidArgumentError(f"{name} must be between 0 and 1, not {value}")
-        if not (np.isfinite(self.exactness_weight) and self.exactness_weight >= 0):
-            raise InvalidArgumentError(f"exactness_weight must be finite and at least 0, not {self.exactness_weight}")
-        for name, least in (("num_pair_hypotheses", 0), ("max_refined", 1)):
-            value = getattr(self, name)
-            if not isinstance(value, (int, np.integer)) or value < least:
-                raise InvalidArgumentError(f"{name} must be a whole number, at least {least}, not {value!r}")
+            checks.number(name, getattr(self, name), least=0, most=1)
+        checks.number("exactness_weight", self.exactness_weight, least=0)
+        checks.whole("num_pair_hypotheses", self.num_pair_hypotheses, 0)
+        checks.whole("max_refined", self.max_refined, 1)
+        for switch in fields(self):
+            if isinstance(switch.default, bool):
+                checks.flag(switch.name, getattr(self, switch.name))
         if not isinstance(self.found, FoundThresholds):
             raise InvalidArgumentError(f"found must be FoundThresholds, not {self.found!r}")
 
@@ -131,8 +130,8 @@ class Robust:
         rows = np.flatnonzero(scored.weight > 0)
         agreement = scored.agreement[rows]
         return MethodResult(
-            candidates=ranked[:max_planes],
-            planes=symmetry.planes[:max_planes],
+            candidates=ranked,
+            planes=symmetry.planes,
             symmetry=symmetry.symmetry,
             threshold=symmetry.threshold,
             ambiguous=symmetry.ambiguous,
@@ -186,6 +185,19 @@ class _Refined(NamedTuple):
     scored: PlaneScore
 
 
+class _InitialPlane(Plane):
+    """A plane that compares and hashes by its numbers, so that methods do too; arrays do neither."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Plane) and all(map(np.array_equal, self, other))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash((*self.normal.tolist(), float(self.offset)))
+
+
 def _checked_plane(plane: Plane) -> Plane:
     try:
         normal, offset = (np.asarray(part, dtype=float) for part in plane)
@@ -194,4 +206,4 @@ def _checked_plane(plane: Plane) -> Plane:
     if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
         raise InvalidArgumentError(f"init must be a plane (normal of shape (3,), offset), not {plane!r}")
     length = np.linalg.norm(normal)
-    return Plane(normal / length, offset / length)
+    return _InitialPlane(normal / length, offset / length)

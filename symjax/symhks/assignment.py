@@ -6,8 +6,6 @@ assignment on a padded matrix solves it exactly. With P = Pᵀ, as a reflection 
 of q edges in a general graph, whose relaxation is not: an integer program, for small sets.
 """
 
-from numbers import Integral
-
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
@@ -16,6 +14,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.spatial.distance import cdist
 
 from symjax.errors import InvalidArgumentError, MatchingError
+from symjax.geometry.checks import whole
 from symjax.symhks.symmetric_matching import least_matching
 
 SIGN_PENALTY = 1000.0
@@ -85,13 +84,9 @@ def assign_pairs(
         MatchingError: the allowed entries hold fewer matches than asked for (see `possible_pairs`).
     """
     allowed = _allowed_cost(cost, penalty)
-    if not isinstance(num_pairs, Integral) or isinstance(num_pairs, bool) or num_pairs < 1:
-        raise InvalidArgumentError(f"num_pairs must be a whole number, at least 1; got {num_pairs!r}")
-    if symmetric and len(allowed) > MAX_SYMMETRIC_POINTS:
-        raise InvalidArgumentError(
-            f"symmetric=True is for at most {MAX_SYMMETRIC_POINTS} points; got {len(allowed)}: "
-            "use fewer keypoints or symmetric=False"
-        )
+    num_pairs = whole("num_pairs", num_pairs, 1)
+    if symmetric:
+        check_symmetric(len(allowed))
     possible = _num_matches(allowed) // 2
     if num_pairs > possible:
         raise MatchingError(
@@ -99,10 +94,23 @@ def assign_pairs(
             "ask for fewer pairs, use more keypoints, or compare the signs of more eigenfunctions"
         )
     if symmetric:
-        pairs = least_matching(allowed, int(num_pairs))
+        pairs = least_matching(allowed, num_pairs)
     else:
-        pairs = _mutual(least_assignment(allowed, 2 * int(num_pairs)), len(allowed))
+        pairs = _mutual(least_assignment(allowed, 2 * num_pairs), len(allowed))
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0], allowed[pairs[:, 0], pairs[:, 1]]))]
+
+
+def check_symmetric(num_points: int) -> None:
+    """Refuses more points than the symmetric program is for.
+
+    Raises:
+        InvalidArgumentError: there are more than `MAX_SYMMETRIC_POINTS`.
+    """
+    if num_points > MAX_SYMMETRIC_POINTS:
+        raise InvalidArgumentError(
+            f"symmetric=True is for at most {MAX_SYMMETRIC_POINTS} points; got {num_points}: "
+            "use fewer keypoints (num_keypoints) or symmetric=False"
+        )
 
 
 def possible_pairs(cost: Float[np.ndarray, "a a"], *, penalty: float = SIGN_PENALTY) -> int:

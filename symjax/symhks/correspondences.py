@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
-from symjax.errors import ComponentsWarning, InvalidArgumentError, MatchingError
+from symjax.errors import ComponentsWarning, MatchingError
+from symjax.geometry import checks
 from symjax.method.stage_timer import StageTimer
-from symjax.symhks.assignment import SIGN_PENALTY, assign_pairs, possible_pairs, sign_penalty_cost
+from symjax.symhks.assignment import SIGN_PENALTY, assign_pairs, check_symmetric, possible_pairs, sign_penalty_cost
 from symjax.symhks.keypoints import NUM_KEYPOINTS, NUM_NEIGHBOURS, RADIUS, Keypoints, keypoints
 from symjax.symhks.signatures import NUM_TIMES, TimeScale, diffusion_times, heat_kernel_signatures, sign_vectors, whiten
 from symjax.symhks.spectrum import NUM_EIGS, STAR_NEIGHBOURS, LaplacianKind, Spectrum, spectrum
@@ -79,19 +80,18 @@ class CorrespondenceOptions:
         """Raises InvalidArgumentError for an option out of its range."""
         least = {"num_eigs": 2, "star_neighbours": 3, "num_keypoints": 6, "num_times": 1, "num_signs": 0}
         for name, lowest in least.items():
-            if getattr(self, name) < lowest:
-                raise InvalidArgumentError(f"{name} must be at least {lowest}, not {getattr(self, name)}")
-        if not 0 < self.radius < 1:
-            raise InvalidArgumentError(f"radius must be between 0 and 1 (of the diagonal), not {self.radius}")
-        if not 0 <= self.separation < np.inf:
-            raise InvalidArgumentError(f"separation must be 0 or more keypoint spacings, not {self.separation}")
-        if self.num_pairs is not None and self.num_pairs < MIN_PAIRS:
-            raise InvalidArgumentError(f"num_pairs must be at least {MIN_PAIRS}, not {self.num_pairs}")
-        if not 0 < self.pairs_per_keypoint <= 1:
-            raise InvalidArgumentError(f"pairs_per_keypoint must be above 0, at most 1, not {self.pairs_per_keypoint}")
-        for name, known in (("times", get_args(TimeScale)), ("laplacian", get_args(LaplacianKind))):
-            if getattr(self, name) not in known:
-                raise InvalidArgumentError(f"{name} must be one of {', '.join(known)}, not {getattr(self, name)!r}")
+            checks.whole(name, getattr(self, name), lowest)
+        for name, lowest in (("num_pairs", MIN_PAIRS), ("num_neighbours", 1)):
+            if getattr(self, name) is not None:
+                checks.whole(name, getattr(self, name), lowest)
+        checks.number("radius", self.radius, above=0, below=1)
+        checks.number("separation", self.separation, least=0)
+        checks.number("pairs_per_keypoint", self.pairs_per_keypoint, above=0, most=1)
+        checks.choice("times", self.times, get_args(TimeScale))
+        checks.choice("laplacian", self.laplacian, get_args(LaplacianKind))
+        checks.flag("whitened", self.whitened)
+        if checks.flag("symmetric", self.symmetric):
+            check_symmetric(self.num_keypoints)
 
 
 def correspondences(

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 from scipy.stats import chi2
 
-from symjax.errors import InvalidArgumentError
+from symjax.geometry import checks
 from symjax.l2e.solvers.names import AnySolver, check_solver
 from symjax.method.result import MethodResult
 from symjax.method.stage_timer import StageTimer
@@ -60,14 +60,11 @@ class SymHKS(CorrespondenceOptions):
     def __post_init__(self) -> None:
         """Raises InvalidArgumentError for an option out of its range."""
         super().__post_init__()
-        if self.sigma is not None and not (np.isfinite(self.sigma) and self.sigma > 0):
-            raise InvalidArgumentError(f"sigma must be positive and finite, not {self.sigma}")
-        if not (np.isfinite(self.sigma_spacings) and self.sigma_spacings > 0):
-            raise InvalidArgumentError(f"sigma_spacings must be positive and finite, not {self.sigma_spacings}")
-        if self.restarts < 1:
-            raise InvalidArgumentError(f"restarts must be at least 1, not {self.restarts}")
-        if self.starts not in get_args(Starts):
-            raise InvalidArgumentError(f"starts must be one of {', '.join(get_args(Starts))}, not {self.starts!r}")
+        if self.sigma is not None:
+            checks.number("sigma", self.sigma, above=0)
+        checks.number("sigma_spacings", self.sigma_spacings, above=0)
+        checks.whole("restarts", self.restarts, 1)
+        checks.choice("starts", self.starts, get_args(Starts))
         check_solver(self.solver)
 
     @classmethod
@@ -94,7 +91,7 @@ class SymHKS(CorrespondenceOptions):
         found = fits.converged and best.score > fits.threshold
         as_good = [c for c in fits.candidates if c.score > max(fits.threshold, AS_GOOD * best.score)]
         return MethodResult(
-            candidates=fits.candidates[:max_planes],
+            candidates=fits.candidates,
             planes=tuple(c.plane for c in as_good) if found else (),
             symmetry="none" if not found else "one plane" if len(as_good) == 1 else "several planes",
             threshold=fits.threshold,

@@ -1,11 +1,12 @@
 """Sym-HKS: heat kernel signatures, which a mirror twin shares, and the signs that tell twins from neighbours."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice, whole
 from symjax.symhks.spectrum import ZERO_EIGENVALUE, Spectrum
 
 NUM_TIMES = 32
@@ -30,17 +31,15 @@ def diffusion_times(
     Raises:
         InvalidArgumentError: an unknown scale, or a spectrum of zeros.
     """
-    if num_times < 1:
-        raise InvalidArgumentError(f"num_times must be at least 1, not {num_times}")
+    num_times = whole("num_times", num_times, 1)
+    choice("the time scale", scale, get_args(TimeScale))
     positive = spectrum.eigenvalues[spectrum.eigenvalues * spectrum.area >= ZERO_EIGENVALUE]
     if not len(positive):
         raise InvalidArgumentError(f"none of the {len(spectrum.eigenvalues)} eigenvalues is positive")
     slowest, fastest = positive[0], positive[-1]
     if scale == "uniform":
         return np.linspace(10 * np.log(10) / fastest, 10 * np.log(10) / slowest, num_times)
-    if scale == "logarithmic":
-        return np.geomspace(4 * np.log(10) / fastest, 4 * np.log(10) / slowest, num_times)
-    raise InvalidArgumentError(f"the time scale must be 'logarithmic' or 'uniform', not {scale!r}")
+    return np.geomspace(4 * np.log(10) / fastest, 4 * np.log(10) / slowest, num_times)
 
 
 def heat_kernel_signatures(spectrum: Spectrum, times: Float[np.ndarray, "p"]) -> Float[np.ndarray, "n p"]:

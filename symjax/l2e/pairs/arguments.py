@@ -4,7 +4,7 @@ Shapes and types are always checked. Values are checked where they are known: an
 (under jit, vmap or grad) passes. What lies on a device is looked at there: only the count of bad rows comes back.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -145,16 +145,6 @@ def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[An
     if _bad(_is_zero, array)[0] == num:
         raise InvalidArgumentError("every weight is zero")
     return array.astype(dtype)
-
-
-def checked_name(argument: str, name: str, known: Iterable[str]) -> None:
-    """Refuses a name that is not known.
-
-    Raises:
-        InvalidArgumentError: naming those that are.
-    """
-    if name not in (names := list(known)):
-        raise InvalidArgumentError(f"{argument} {name!r} is unknown: choose one of {', '.join(names)}")
 
 
 def checked_sigma(sigma: Sigma, solver: Any, dtype: Any) -> Float[Array, ""] | None:

@@ -4,6 +4,7 @@ import sys
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice
 
 if TYPE_CHECKING:
     from optimistix import AbstractMinimiser
@@ -43,5 +44,4 @@ def check_solver(solver: Any) -> None:
         raise InvalidArgumentError(f"solver {solver!r} is neither a name nor a minimiser of optimistix")
     if solver in _RENAMED:
         raise InvalidArgumentError(f"solver {solver!r} is now called {_RENAMED[solver]!r}")
-    if solver not in SOLVER_NAMES:
-        raise InvalidArgumentError(f"solver {solver!r} is unknown: choose one of {', '.join(SOLVER_NAMES)}")
+    choice("solver", solver, SOLVER_NAMES)

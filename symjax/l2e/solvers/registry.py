@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import number, whole
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.solvers.alternating import alternation
@@ -70,11 +70,8 @@ def checked_limits(solver: AnySolver, max_steps: int, tol: float | None, dtype: 
         InvalidArgumentError: for an unknown solver, a negative limit, or a tolerance not above 0.
     """
     check_solver(solver)
-    if max_steps < 0:
-        raise InvalidArgumentError(f"max_steps must be 0 or more, not {max_steps}")
-    tol = default_tol(solver, dtype) if tol is None else tol
-    if not tol > 0:
-        raise InvalidArgumentError(f"tol must be positive, not {tol}")
+    max_steps = whole("max_steps", max_steps, 0)
+    tol = default_tol(solver, dtype) if tol is None else number("tol", tol, above=0)
     # NumPy until a compiled function takes them, as in `pad_pairs`
     known: Any = np.asarray(max_steps), np.asarray(tol, dtype)
     return Limits(*known)

@@ -245,7 +245,10 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
         ({"solver": "joint"}, InvalidArgumentError, "'joint' is now called 'rbfgs'"),
         ({"solver": "mm"}, InvalidArgumentError, "'mm' is now called 'irls'"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),
+        ({"max_steps": "a"}, InvalidArgumentError, "max_steps"),
+        ({"max_steps": 2.5}, InvalidArgumentError, "max_steps"),
         ({"tol": 0.0}, InvalidArgumentError, "tol"),
+        ({"tol": "a"}, InvalidArgumentError, "tol"),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, dict) else None,
 )
@@ -262,6 +265,10 @@ def test_bad_sweeps_are_refused():
         sweep(GOOD["x"], GOOD["y"], [0.1], np.eye(3)[0])
     with pytest.raises(InvalidArgumentError, match="1 of 3 starting normals"):
         sweep(GOOD["x"], GOOD["y"], [0.1], np.diag([1.0, 2.0, 1.0]))
+    with pytest.raises(InvalidArgumentError, match="restarts must be a whole number"):
+        sweep(GOOD["x"], GOOD["y"], [0.1], restarts=2.5)
+    with pytest.raises(InvalidArgumentError, match="continuation"):
+        sweep(GOOD["x"], GOOD["y"], [0.1], continuation="yes")
 
 
 def test_integers_and_lists_convert():

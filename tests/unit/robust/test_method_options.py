@@ -7,6 +7,7 @@ import pytest
 
 from symjax.datasets import corrupt, generate, pose
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.plane import Plane
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import prepare
 from symjax.robust import hypotheses, registration, search
@@ -58,10 +59,29 @@ def test_a_method_is_plain_data():
     assert all(f"{field.name}:" in FoundThresholds.__doc__ for field in fields(FoundThresholds))
 
 
+def test_methods_with_an_initial_plane_compare_and_hash():
+    planes = [Plane(np.array([0.0, 0.0, length]), np.float64(length)) for length in (1.0, 2.0)]
+    same, scaled = (Robust(init=plane) for plane in planes)
+    other = Robust(init=Plane(np.array([0.0, 0.0, 1.0]), np.float64(2.0)))
+    assert same == scaled
+    assert hash(same) == hash(scaled)
+    assert same != other
+    assert same.init != other.init
+    assert same != Robust()
+    assert len({same, scaled, other, Robust()}) == 3
+    np.testing.assert_array_equal(replace(same, register=False).init.normal, [0, 0, 1])
+
+
 @pytest.mark.parametrize(
     "change",
     [
         {"boundary_penalty": -0.1},
+        {"boundary_penalty": "a"},
+        {"boundary_penalty": True},
+        {"exactness_weight": None},
+        {"max_refined": True},
+        {"use_normals": "no"},
+        {"refine": 1},
         {"boundary_penalty": 1.1},
         {"refine_above": float("nan")},
         {"chance_exactness": 2.0},
@@ -79,7 +99,9 @@ def test_options_out_of_their_range_are_refused(change):
         Robust(**change)
 
 
-@pytest.mark.parametrize("change", [{"base": -0.1}, {"most": float("nan")}, {"exactness_per_noise": float("inf")}])
+@pytest.mark.parametrize(
+    "change", [{"base": -0.1}, {"most": float("nan")}, {"exact": "a"}, {"exactness_per_noise": float("inf")}]
+)
 def test_thresholds_out_of_their_range_are_refused(change):
     with pytest.raises(InvalidArgumentError, match=next(iter(change))):
         FoundThresholds(**change)

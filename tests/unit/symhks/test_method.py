@@ -183,6 +183,31 @@ def test_bad_options_are_refused(cloud, change, error, words):
 
 
 @pytest.mark.parametrize(
+    "change",
+    [
+        {"restarts": 2.5},
+        {"num_keypoints": 50.5},
+        {"num_pairs": 4.5},
+        {"num_neighbours": -3},
+        {"num_eigs": "a"},
+        {"num_times": True},
+        {"sigma": "auto"},
+        {"radius": None},
+        {"whitened": "no"},
+    ],
+)
+def test_options_of_another_type_are_refused_when_they_are_given(change):
+    with pytest.raises(InvalidArgumentError, match=next(iter(change))):
+        SymHKS(**change)
+
+
+def test_the_symmetric_program_is_refused_for_too_many_keypoints_when_it_is_given():
+    assert SymHKS(symmetric=True, num_keypoints=300).symmetric
+    with pytest.raises(InvalidArgumentError, match="at most 300 points; got 500: use fewer keypoints"):
+        SymHKS(symmetric=True)
+
+
+@pytest.mark.parametrize(
     ("points", "error"),
     [
         (np.zeros((0, 3)), TooFewPointsError),
