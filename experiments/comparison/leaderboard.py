@@ -6,11 +6,10 @@ import numpy as np
 
 from experiments.baselines.ranking import Ranking
 from experiments.baselines.registry import ENTRIES
-from experiments.comparison.measure import Measure
 from experiments.comparison.objects import TITLES
-from experiments.comparison.tracks import TRACKS, tracks
+from experiments.comparison.tracks import TRACKS, Measure, tracks
 from experiments.data.cases import Case
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics import hits, ranked
 from experiments.metrics.deviation import Deviation
 from experiments.metrics.matching import Tally, pooled
@@ -124,9 +123,7 @@ def _mean(rows: Sequence[Row], column: str, unit: float) -> float | str:
 
 def leaderboard(rows: Iterable[Row]) -> list[Row]:
     """A line a benchmark, condition and method, in the order in which they come."""
-    groups: dict[tuple[str, str, str], list[Row]] = {}
-    for row in rows:
-        groups.setdefault((row["benchmark"], row["condition"], row["method"]), []).append(row)
+    groups = grouped(rows, "benchmark", "condition", "method")
     return [
         {
             **{"benchmark": title(benchmark), "condition": condition, "method": method},

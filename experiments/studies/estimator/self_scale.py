@@ -99,9 +99,4 @@ def _coverage(config: Config) -> Iterator[Row]:
         )
 
 
-def summary(rows: list[Row]) -> list[Row]:
-    """The rows."""
-    return rows
-
-
-STUDY = Study("self_scale", __doc__, SIZES, run, summary, data=PLANTED)
+STUDY = Study("self_scale", __doc__, SIZES, run, data=PLANTED)

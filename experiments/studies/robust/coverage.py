@@ -15,7 +15,7 @@ import symjax
 from experiments.data.cases import kinds_of, made
 from experiments.data.descriptions import SINGLE
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE
 from symjax import datasets
 from symjax.errors import SymjaxWarning
@@ -86,9 +86,7 @@ def _row(kind: str, seed: int, level: float, config: Config) -> Row:
 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a level of noise, and one for all."""
-    levels = dict.fromkeys(row["noise"] for row in rows)
-    lines = [_line(level, [row for row in rows if row["noise"] == level]) for level in levels]
-    return [*lines, _line("all", rows)]
+    return [*(_line(level, group) for level, group in grouped(rows, "noise").items()), _line("all", rows)]
 
 
 def _line(noise: float | str, rows: list[Row]) -> Row:

@@ -15,7 +15,7 @@ from experiments.data.cases import generated
 from experiments.data.descriptions import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from symjax import datasets
 from symjax.detection.detect import METHODS
 from symjax.geometry.plane import Plane
@@ -96,14 +96,15 @@ def _difference(points: Float[np.ndarray, "n 3"], before: Plane, change: Change,
 
 def summary(rows: list[Row]) -> list[Row]:
     """The largest of every method and change."""
-    lines = []
-    for method, change in dict.fromkeys((row["method"], row["change"]) for row in rows):
-        of_change = [row for row in rows if (row["method"], row["change"]) == (method, change)]
-        line: Row = {"method": method, "change": change, "clouds": len(of_change)}
-        line["largest deg"] = max(row["angle"] for row in of_change)
-        line["largest offset"] = max(row["offset"] for row in of_change)
-        lines.append(line | {"target": TARGET})
-    return lines
+    return [
+        {"method": method, "change": change, "clouds": len(group)}
+        | {
+            f"largest {unit}": max(row[name] for row in group)
+            for unit, name in (("deg", "angle"), ("offset", "offset"))
+        }
+        | {"target": TARGET}
+        for (method, change), group in grouped(rows, "method", "change").items()
+    ]
 
 
 STUDY = Study("equivariance", __doc__, SIZES, run, summary, data=MADE)
