@@ -9,7 +9,7 @@ from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, prediction, tallies, title
 from experiments.data.corruptions import SWEPT
 from experiments.framework.tables import Row, grouped
-from experiments.metrics import ranked
+from experiments.metrics import score_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +33,7 @@ def precision_recall(rows: Sequence[Row]) -> list[Row]:
     for (benchmark, method), of_one in grouped(rows, "benchmark", "method").items():
         points: list[tuple[str, float, float, float]] = []
         for name, most in (("score", None), ("best", 1)):
-            curve = ranked.curve([prediction(row, most) for row in of_one])
+            curve = score_curve.curve([prediction(row, most) for row in of_one])
             points += [(name, *point) for point in zip(*(column.tolist() for column in curve), strict=True)]
         for name, column in (("thresholds", "funk"), ("paper", "funk_paper")):
             points += [(name, t_a, at.precision, at.recall) for t_a, at in enumerate(tallies(of_one, column))]

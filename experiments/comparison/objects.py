@@ -16,7 +16,6 @@ from jaxtyping import Float
 
 from experiments.data import folder, funk, procedural, shapenet, shrec2016, shrec2023, ycb
 from experiments.data.cases import MODELS, Case
-from experiments.data.procedural import Procedural
 from experiments.data.shape import Shape
 from experiments.framework.absence import DataAbsentError
 from experiments.metrics.patch import Patches, from_corners
@@ -126,7 +125,7 @@ def benchmark_object(benchmark: str, data: str, item: int, seed: int, num_points
     drawn = num_points + DENSE
     truths = None
     if benchmark == PROCEDURAL:
-        whole = Procedural(procedural.SEED + seed, drawn).case(item)
+        whole = procedural.generated_object(item, drawn, seed=procedural.SEED + seed)
     else:
         shape = _shelf(benchmark, data).shape(item)
         whole, corners = shape.case(drawn, seed), shape.posed(seed).corners

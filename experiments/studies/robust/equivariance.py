@@ -97,12 +97,12 @@ def _difference(points: Float[np.ndarray, "n 3"], before: Plane, change: Change,
 def summary(rows: list[Row]) -> list[Row]:
     """The largest of every method and change."""
     return [
-        {"method": method, "change": change, "clouds": len(group)}
-        | {
-            f"largest {unit}": max(row[name] for row in group)
-            for unit, name in (("deg", "angle"), ("offset", "offset"))
+        {
+            **{"method": method, "change": change, "clouds": len(group)},
+            "largest deg": max(row["angle"] for row in group),
+            "largest offset": max(row["offset"] for row in group),
+            "target": TARGET,
         }
-        | {"target": TARGET}
         for (method, change), group in grouped(rows, "method", "change").items()
     ]
 
