@@ -82,8 +82,8 @@ _shelf = lru_cache(maxsize=1)(_Shelf)
 def items(benchmark: str, data: str, most: int) -> dict[int, str]:
     """Numbers and names of the first objects that have planes and no axis.
 
-    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. How many
-    are left out is said loudly, and so is it where there are none, or the real models are absent.
+    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. The
+    number of skipped objects is printed to stderr, and so is it if there are none, or the real models are absent.
 
     Raises:
         DataAbsentError: another benchmark is not in its folder.

@@ -58,10 +58,6 @@ class Config:
 SIZES = {"full": Config(), "small": Config(shares=(0.0, 0.65), pixels=41)}
 
 
-def _clouds(config: Config) -> list[PlantedPairs]:
-    return [pairs([config.seed], config.num_pairs, share, config.blob, config.place) for share in config.shares]
-
-
 def run(config: Config) -> list[Row]:
     """One row a share, place of the outliers and method."""
     rows = []
@@ -129,7 +125,8 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     ticks = np.linspace(-1, 1, config.pixels)
     disc = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
     inside = (disc**2).sum(axis=1) <= 1
-    for column, (share, cloud) in enumerate(zip(config.shares, _clouds(config), strict=True)):
+    for column, share in enumerate(config.shares):
+        cloud = pairs([config.seed], config.num_pairs, share, config.blob, config.place)
         found = {row["method"]: row for row in rows if (row["share"], row["outliers"]) == (share, config.place)}
         ax: Any = drawn.add_subplot(3, columns, 1 + column, projection="3d")
         _draw_pairs(ax, cloud)

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from tqdm import tqdm
 
-import symjax
+from experiments.baselines.registry import ENTRIES, OURS
 from experiments.data import corruptions
 from experiments.data.cases import MODELS, Case, generated, kinds_of, real
 from experiments.data.corruptions import Trial
@@ -114,10 +114,8 @@ def _cases(config: Config) -> Iterator[Case]:
 
 
 def _row(trial: Trial) -> Row:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        # as many candidates as the background is taken from
-        found = symjax.detect(trial.points, Robust(), rng=0, max_planes=BACKGROUND.stop)
+    # as many candidates as the background is taken from
+    found = ENTRIES[OURS]._replace(max_planes=BACKGROUND.stop).detect(trial.points, np.random.default_rng(0))
     truth = TRUTHS[trial.case.group]
     word = "sphere" if trial.case.name == BALL else truth
     return trial.about | {

@@ -7,7 +7,6 @@ and no match is right. Under `out20 dropped` outliers are dropped before the mat
 that under every condition.
 """
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from time import perf_counter
 import numpy as np
 from tqdm import tqdm
 
-import symjax
+from experiments.baselines.registry import Entry
 from experiments.data import corruptions
 from experiments.data.cases import Case, generated, kinds_of
 from experiments.data.corruptions import Trial
@@ -28,7 +27,7 @@ from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE, deviation
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from symjax.detection.result import Detection
-from symjax.errors import SymjaxError, SymjaxWarning
+from symjax.errors import SymjaxError
 
 DROPPED = " dropped"
 """What is added to the name of a condition under which scattered outliers are left out first."""
@@ -106,12 +105,10 @@ def _row(variant: Variant, name: str, trial: Trial) -> Row:
 def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
     """The method, or None where it raises one of its own errors."""
     dropped = name.endswith(DROPPED) if variant.drop_outliers is None else variant.drop_outliers
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        try:
-            return symjax.detect(trial.points, variant.method, rng=0, drop_outliers=dropped)
-        except SymjaxError:
-            return None
+    try:
+        return Entry("", variant.method, dropped).detect(trial.points, np.random.default_rng(0))
+    except SymjaxError:
+        return None
 
 
 def right_matches(found: Detection, case: Case) -> float:
