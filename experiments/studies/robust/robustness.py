@@ -72,10 +72,7 @@ class Config:
     conditions: str = corruptions.ALL
 
 
-SIZES = {
-    "full": Config(),
-    "small": Config(num_points=1500, seeds=1, kinds=2, conditions="clean,out100,both"),
-}
+SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=2, conditions="clean,out100,both")}
 
 
 def run(config: Config) -> list[Row]:
