@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float
 
-from experiments.baselines.ranking import Ranking
+from experiments.metrics.ranking import Ranking
 from symjax.geometry.plane import Plane
 from symjax.method.result import Candidate, MethodResult, Symmetry
 from symjax.method.stage_timer import StageTimer

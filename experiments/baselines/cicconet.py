@@ -19,7 +19,8 @@ from jaxtyping import Float
 from scipy.spatial import cKDTree
 
 from experiments.baselines.baseline import Baseline
-from experiments.baselines.ranking import Frame, Ranking, framed, reflect
+from experiments.baselines.frame import Frame, framed, reflect
+from experiments.metrics.ranking import Ranking
 
 
 class Registration(NamedTuple):
@@ -61,7 +62,7 @@ class Cicconet(Baseline):
         """Ranks planes of a cloud, see `Baseline.rank`."""
         frame = framed(points, rng, most=self.num_points)
         if self.as_released:
-            frame = Frame(frame.points / frame.points.std(axis=0, ddof=1), frame.centre, 1.0)
+            frame = Frame(frame.points / frame.points.std(axis=0, ddof=1), frame.to_given._replace(scale=1.0))
         tree = cKDTree(frame.points)
         axes = np.linalg.eigh(np.cov(frame.points.T))[1].T[::-1]
         normals, offsets, rmses = np.zeros((3, 3)), np.zeros(3), np.zeros(3)

@@ -17,7 +17,8 @@ from jaxtyping import Float, Int
 from scipy.optimize import minimize
 
 from experiments.baselines.baseline import Baseline
-from experiments.baselines.ranking import Ranking, distinct, framed
+from experiments.baselines.frame import framed
+from experiments.metrics.ranking import Ranking, distinct
 
 REACH = 2.6
 """α d from which on the kernel is zero; there it follows exp(−(α d)²) within 0.02."""

@@ -19,7 +19,8 @@ from scipy.ndimage import distance_transform_edt, map_coordinates
 from scipy.optimize import minimize
 
 from experiments.baselines.baseline import Baseline
-from experiments.baselines.ranking import Ranking, distinct, framed
+from experiments.baselines.frame import framed
+from experiments.metrics.ranking import Ranking, distinct
 from symjax.geometry.directions import fibonacci
 
 RADII = 2.0

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from experiments.baselines.ranking import Frame, framed
+from experiments.baselines.frame import Frame, framed
 from symjax.preprocess.cloud import prepare
 from symjax.symhks.correspondences import correspondences
 

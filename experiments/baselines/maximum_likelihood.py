@@ -11,9 +11,10 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import reflect
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.matches import matches
-from experiments.baselines.ranking import Ranking, reflect
+from experiments.metrics.ranking import Ranking
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,9 +15,10 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import framed
 from experiments.baselines.pca import principal_axes
-from experiments.baselines.ranking import Ranking, framed
 from experiments.baselines.three_d_symm import Match, ended
+from experiments.metrics.ranking import Ranking
 
 
 @dataclass(frozen=True, kw_only=True)

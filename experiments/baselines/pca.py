@@ -13,7 +13,8 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.baselines.baseline import Baseline
-from experiments.baselines.ranking import Ranking, framed, reflect
+from experiments.baselines.frame import framed, reflect
+from experiments.metrics.ranking import Ranking
 
 
 @dataclass(frozen=True, kw_only=True)

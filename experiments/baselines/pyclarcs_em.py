@@ -13,8 +13,9 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import framed
 from experiments.baselines.pca import mean_residual
-from experiments.baselines.ranking import Ranking, framed
+from experiments.metrics.ranking import Ranking
 
 DIAGONAL = 200.0
 """Its scales, 5 to 0.25, are millimetres and meant for a head."""

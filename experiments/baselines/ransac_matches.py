@@ -12,9 +12,10 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import reflect
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.matches import matches
-from experiments.baselines.ranking import Ranking, distinct, reflect
+from experiments.metrics.ranking import Ranking, distinct
 
 THRESHOLD = 0.15
 """Residual of an inlier in mean radii. Keypoints are 0.05 to 0.1 apart, so that 0.02 to 0.05, which suits dense

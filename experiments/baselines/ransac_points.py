@@ -19,9 +19,11 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import framed, reflect
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.pca import principal_axes
-from experiments.baselines.ranking import Ranking, distinct, framed, reflect
+from experiments.metrics.ranking import Ranking, distinct
+from symjax.geometry.plane import Plane
 
 RADIUS = 0.03
 """Theirs is 0.05, within which nearly every image meets a cloud with many outliers: of generated clouds with as many
@@ -128,7 +130,7 @@ def votes(
     radius: float,
 ) -> Float[np.ndarray, "k"]:
     """Share of the voters whose mirror images lie within the radius of the cloud."""
-    images = np.stack([reflect(*plane, voters) for plane in zip(normals, offsets, strict=True)])
+    images = np.asarray(Plane(normals, offsets).reflect(voters))
     return np.isfinite(tree.query(images, distance_upper_bound=radius)[0]).mean(axis=1)
 
 

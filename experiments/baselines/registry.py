@@ -66,14 +66,8 @@ class Entry(NamedTuple):
         """What `symjax.detect` answers with the method; its warnings are left to the notes."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SymjaxWarning)
-            return symjax.detect(
-                points,
-                self.method,
-                rng=rng,
-                drop_outliers=self.drop_outliers,
-                max_points=self.max_points,
-                max_planes=self.max_planes,
-            )
+            options = {name: getattr(self, name) for name in ("drop_outliers", "max_points", "max_planes")}
+            return symjax.detect(points, self.method, rng=rng, **options)
 
 
 def baseline(title: str, method: Method) -> Entry:

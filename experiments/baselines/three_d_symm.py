@@ -15,10 +15,12 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.baselines.baseline import Baseline
+from experiments.baselines.frame import Frame, framed, reflect
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.pca import principal_axes
-from experiments.baselines.ranking import Frame, Ranking, distinct, framed, plane_distance, reflect
+from experiments.metrics.ranking import Ranking, distinct, plane_distance
 from symjax.geometry.directions import fibonacci
+from symjax.geometry.plane import Plane
 
 NUM_DIRECTIONS = 26
 """No direction is then further than 23 degrees from one of them."""
@@ -93,7 +95,7 @@ def alternate(
     """
     for _ in range(steps):
         found = least_squares(points, match(reflect(normal, offset, points)))
-        moved = plane_distance(normal[None], np.array([offset]), *found)[0]
+        moved = plane_distance(Plane(normal[None], np.array([offset])), Plane(found[0], np.asarray(found[1])))[0]
         normal, offset = found
         if moved < tol:
             break

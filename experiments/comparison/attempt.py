@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from experiments.baselines.ranking import Ranking
 from experiments.baselines.registry import Entry
+from experiments.metrics.ranking import Ranking
 from symjax import Detection
 from symjax.geometry.plane import Plane
 

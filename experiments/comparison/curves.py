@@ -8,8 +8,8 @@ import numpy as np
 from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, prediction, tallies, title
 from experiments.data.corruptions import SWEPT
-from experiments.framework.tables import Row
-from experiments.metrics import ranked
+from experiments.framework.tables import Row, grouped
+from experiments.metrics import score_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,11 +30,10 @@ def precision_recall(rows: Sequence[Row]) -> list[Row]:
         A line a point: benchmark, method, sweep, where on it (score, or degrees of t_a), precision and recall.
     """
     lines: list[Row] = []
-    for benchmark, method in dict.fromkeys((row["benchmark"], row["method"]) for row in rows):
-        of_one = [row for row in rows if (row["benchmark"], row["method"]) == (benchmark, method)]
+    for (benchmark, method), of_one in grouped(rows, "benchmark", "method").items():
         points: list[tuple[str, float, float, float]] = []
         for name, most in (("score", None), ("best", 1)):
-            curve = ranked.curve([prediction(row, most) for row in of_one])
+            curve = score_curve.curve([prediction(row, most) for row in of_one])
             points += [(name, *point) for point in zip(*(column.tolist() for column in curve), strict=True)]
         for name, column in (("thresholds", "funk"), ("paper", "funk_paper")):
             points += [(name, t_a, at.precision, at.recall) for t_a, at in enumerate(tallies(of_one, column))]
@@ -54,12 +53,9 @@ def style(method: str) -> dict[str, Any]:
 def draw_precision_recall(axes: "Axes", lines: Sequence[Row], sweep: str) -> None:
     """One kind of curve of all methods on the first benchmark."""
     first = lines[0]["benchmark"]
-    for method in dict.fromkeys(line["method"] for line in lines):
-        points = [
-            (line["recall"], line["precision"])
-            for line in lines
-            if (line["benchmark"], line["method"], line["sweep"]) == (first, method, sweep)
-        ]
+    shown = (line for line in lines if (line["benchmark"], line["sweep"]) == (first, sweep))
+    for method, curve in grouped(shown, "method").items():
+        points = [(line["recall"], line["precision"]) for line in curve]
         axes.plot(*np.array(points, float).reshape(-1, 2).T, **style(method))
     axes.set(xlabel="recall", ylabel="precision", xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axes.set_title(f"{first}: {SWEEPS[sweep]}", fontsize=8)
@@ -88,8 +84,8 @@ def draw_sweep(
     """
     first = lines[0]["benchmark"]
     at = shares(dict.fromkeys(line["condition"] for line in lines), corruption)
-    for method in dict.fromkeys(line["method"] for line in lines):
-        of_one = {line["condition"]: line[measure] for line in lines if _is(line, first, method)}
+    for method, of_method in grouped(grouped(lines, "benchmark")[first], "method").items():
+        of_one = {line["condition"]: line[measure] for line in of_method}
         here = [name for name in at if name in of_one]
         axes.plot([at[name] for name in here], [of_one[name] for name in here], marker=".", **style(method))
     for k, (method, figures) in enumerate(printed.items()):
@@ -101,7 +97,3 @@ def draw_sweep(
     axes.set(xlabel=f"{corruption}, %", ylabel=measure, ylim=(-0.02, 1.02))
     axes.set_title(f"{first}: {MEASURES[measure].title}", fontsize=8)
     axes.grid(alpha=0.3)
-
-
-def _is(line: Row, benchmark: str, method: str) -> bool:
-    return bool(line["benchmark"] == benchmark and line["method"] == method)

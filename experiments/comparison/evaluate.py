@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from experiments.baselines.ranking import Ranking
 from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES
 from experiments.comparison.attempt import attempt, ranked_planes
 from experiments.comparison.objects import DENSE, BenchmarkObject, benchmark_object
@@ -12,6 +11,7 @@ from experiments.metrics import funk
 from experiments.metrics.deviation import deviation
 from experiments.metrics.gte import gte
 from experiments.metrics.prediction import Prediction
+from experiments.metrics.ranking import Ranking
 from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
 from symjax import Detection
 

@@ -4,17 +4,16 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from experiments.baselines.ranking import Ranking
 from experiments.baselines.registry import ENTRIES
-from experiments.comparison.measure import Measure
 from experiments.comparison.objects import TITLES
-from experiments.comparison.tracks import TRACKS, tracks
+from experiments.comparison.tracks import TRACKS, Measure, tracks
 from experiments.data.cases import Case
-from experiments.framework.tables import Row
-from experiments.metrics import hits, ranked
+from experiments.framework.tables import Row, grouped
+from experiments.metrics import hits, score_curve
 from experiments.metrics.deviation import Deviation
 from experiments.metrics.matching import Tally, pooled
 from experiments.metrics.prediction import Prediction
+from experiments.metrics.ranking import Ranking
 from symjax.geometry.plane import Plane
 
 DEGREES = 5
@@ -112,7 +111,7 @@ def measures_of(rows: Sequence[Row]) -> Row:
 
 def best_f(rows: Sequence[Row], most: int | None = None) -> float:
     """The largest F along the curve of precision and recall, of so many planes a shape; 0 where nothing was right."""
-    curve = ranked.curve([prediction(row, most) for row in rows])
+    curve = score_curve.curve([prediction(row, most) for row in rows])
     both = curve.precision + curve.recall
     return float((2 * curve.precision * curve.recall / np.where(both > 0, both, 1)).max(initial=0.0))
 
@@ -124,9 +123,7 @@ def _mean(rows: Sequence[Row], column: str, unit: float) -> float | str:
 
 def leaderboard(rows: Iterable[Row]) -> list[Row]:
     """A line a benchmark, condition and method, in the order in which they come."""
-    groups: dict[tuple[str, str, str], list[Row]] = {}
-    for row in rows:
-        groups.setdefault((row["benchmark"], row["condition"], row["method"]), []).append(row)
+    groups = grouped(rows, "benchmark", "condition", "method")
     return [
         {
             **{"benchmark": title(benchmark), "condition": condition, "method": method},

@@ -16,7 +16,6 @@ from jaxtyping import Float
 
 from experiments.data import folder, funk, procedural, shapenet, shrec2016, shrec2023, ycb
 from experiments.data.cases import MODELS, Case
-from experiments.data.procedural import Procedural
 from experiments.data.shape import Shape
 from experiments.framework.absence import DataAbsentError
 from experiments.metrics.patch import Patches, from_corners
@@ -83,8 +82,8 @@ _shelf = lru_cache(maxsize=1)(_Shelf)
 def items(benchmark: str, data: str, most: int) -> dict[int, str]:
     """Numbers and names of the first objects that have planes and no axis.
 
-    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. How many
-    are left out is said loudly, and so is it where there are none, or the real models are absent.
+    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. The
+    number of skipped objects is printed to stderr, and so is it if there are none, or the real models are absent.
 
     Raises:
         DataAbsentError: another benchmark is not in its folder.
@@ -126,7 +125,7 @@ def benchmark_object(benchmark: str, data: str, item: int, seed: int, num_points
     drawn = num_points + DENSE
     truths = None
     if benchmark == PROCEDURAL:
-        whole = Procedural(procedural.SEED + seed, drawn).case(item)
+        whole = procedural.generated_object(item, drawn, seed=procedural.SEED + seed)
     else:
         shape = _shelf(benchmark, data).shape(item)
         whole, corners = shape.case(drawn, seed), shape.posed(seed).corners

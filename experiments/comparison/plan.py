@@ -25,7 +25,7 @@ MISSING = "clean,miss15,miss20,miss28,miss40"
 ALL = f"{OUTLIERS},{MISSING.removeprefix('clean,')},both,noise1,view"
 
 UNKNOWN: Row = {"group": "", "truths": [[0.0, 0.0, 1.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0}
-"""An object of which no method came to an end: it has a plane, and nobody found it."""
+"""Placeholder for an object that no method finished; counted as having one plane that was missed."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def outcomes(config: Config) -> list[Row]:
 
 
 def rows_of(results: Sequence[Result]) -> list[Row]:
-    """The rows of results; what is said of an object that a limit left without a row is taken from another method.
+    """The rows of results; metadata missing from an aborted run is copied from another method's row.
 
     What ended with an error is no fault of a method, whose own are caught, and no row: data that is not on a machine of
     a cluster, or a bug of ours.

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, OTHERS
-from experiments.comparison.measure import Measure
-from experiments.framework.tables import Row
+from experiments.comparison.tracks import Measure
+from experiments.framework.tables import Row, grouped
 
 DIGITS = 3
 """Significant ones that tables show: what is the same in them is a tie."""
@@ -19,8 +19,7 @@ def shortcomings(lines: Sequence[Row], measures: Mapping[str, Measure] = MEASURE
         measures: by the name of the column.
     """
     said, columns = [], 0
-    for benchmark, condition in dict.fromkeys((line["benchmark"], line["condition"]) for line in lines):
-        of_both = [line for line in lines if (line["benchmark"], line["condition"]) == (benchmark, condition)]
+    for (benchmark, condition), of_both in grouped(lines, "benchmark", "condition").items():
         for name, measure in measures.items():
             behind = _behind(of_both, name, measure)
             columns += behind is not None

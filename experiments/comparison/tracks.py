@@ -1,11 +1,26 @@
 """The planes that a method holds, by the measures of SHREC 2023 and of E3Sym."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
-from experiments.comparison.measure import Measure
 from experiments.framework.tables import Row
 from experiments.metrics import e3sym, shrec
 from experiments.metrics.prediction import Prediction
+
+
+class Measure(NamedTuple):
+    """A column of a table.
+
+    Attributes:
+        title: with the unit.
+        rises: whether more is better.
+        tie: largest difference that says nothing.
+    """
+
+    title: str
+    rises: bool = True
+    tie: float = 0.0
+
 
 TRACKS = {
     "PHC": Measure("PHC: best plane within 1° and 1 %"),

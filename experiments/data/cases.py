@@ -1,6 +1,5 @@
 """Clouds with known planes to detect: generated objects, and the real models of a folder."""
 
-import json
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -9,10 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from experiments.data.listing import LISTING, Entry, read_listing
 from experiments.framework.project import PROJECT
 from symjax import datasets
 from symjax.datasets.sample import Symmetry
 from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
 from symjax.io.points import read_points
 from symjax.method.result import Axis
 
@@ -69,26 +70,23 @@ def made(kind: str, num_points: int, seed: int) -> Case:
 
 def real(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
     """The models of a folder, sampled by area, in `seeds` random poses each; says so loudly where it is absent."""
-    if not (folder / "planes.json").is_file():
-        print(f"REAL MODELS ARE ABSENT: no {folder / 'planes.json'}; pass --data FOLDER. Skipped.", file=sys.stderr)
+    listing = folder / LISTING
+    if not listing.is_file():
+        print(f"REAL MODELS ARE ABSENT: no {listing}; pass --data FOLDER. Skipped.", file=sys.stderr)
         return
-    for name, entry in json.loads((folder / "planes.json").read_text()).items():
+    for name, entry in read_listing(listing).items():
         # a depth-camera cloud has no surface to sample anew and no plane to compare with
-        if Path(entry["file"]).suffix == ".pcd":
+        if Path(entry.file).suffix == ".pcd":
             continue
-        dense = read_points(folder / entry["file"], num_samples=DENSE, rng=7).points
+        dense = read_points(folder / entry.file, num_samples=DENSE, rng=7).points
         for seed in range(seeds):
             yield _posed(name, entry, dense, num_points, seed)
 
 
-def _posed(name: str, entry: dict, dense: Float[np.ndarray, "n 3"], num_points: int, seed: int) -> Case:
+def _posed(name: str, entry: Entry, dense: Float[np.ndarray, "n 3"], num_points: int, seed: int) -> Case:
     rng = np.random.default_rng([seed, *name.encode()])
     diagonal = float(np.linalg.norm(np.ptp(dense, axis=0)))
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    shift = rng.normal(size=3) * diagonal
-    points = dense[rng.permutation(len(dense))[:num_points]] @ turn.T + shift
-    if entry["normal"] is None:
-        return Case(name, entry["kind"].split(":")[0], points, (), diagonal, seed)
-    normal = turn @ np.asarray(entry["normal"])
-    plane = Plane(normal, np.asarray(entry["offset"] + normal @ shift))
-    return Case(name, entry["kind"].split(":")[0].split(";")[0], points, (plane,), diagonal, seed)
+    to_posed = Similarity(1.0, turn, rng.normal(size=3) * diagonal)
+    points = np.asarray(to_posed.points(dense[rng.permutation(len(dense))[:num_points]]))
+    return Case(name, entry.kind, points, tuple(map(to_posed.plane, entry.planes)), diagonal, seed)

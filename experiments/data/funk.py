@@ -9,7 +9,6 @@ scans are laid out alike is from memory.
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -34,18 +33,6 @@ FLAT = 1e-9
 """Twice the area of three corners over the product of their distances, below which they are on one line."""
 
 
-class Rectangles(NamedTuple):
-    """Planes as a file has them.
-
-    Attributes:
-        corners: p_a, p_b and p_c of each; `scores.patch.from_corners` makes rectangles of them.
-        extents: of the object along the normal of each.
-    """
-
-    corners: Float[np.ndarray, "k 3 3"]
-    extents: Float[np.ndarray, "k"]
-
-
 def load(folder: Path) -> Iterator[Shape]:
     """All models of a folder with their planes, by name.
 
@@ -57,22 +44,22 @@ def load(folder: Path) -> Iterator[Shape]:
     return (_shape(name, model, planes) for name, (model, planes) in pairs.items())
 
 
-def read_planes(path: Path) -> Rectangles:
-    """The planes of a file.
+def read_corners(path: Path) -> Float[np.ndarray, "k 3 3"]:
+    """The corners p_a, p_b and p_c of every plane; `metrics.patch.from_corners` makes rectangles of them.
 
     Raises:
         FileFormatError: it is malformed; file and line are named.
     """
     file = NumberFile(path)
-    corners, extents = [], []
+    corners = []
     for _ in range(file.count("the number of planes")):
         a, b, c = three = [file.row(3, "a corner of a plane") for _ in range(3)]
         if np.linalg.norm(np.cross(b - a, c - a)) <= FLAT * np.linalg.norm(b - a) * np.linalg.norm(c - a):
             raise file.fault("the three corners that end here are on one line")
         corners.append(three)
-        extents.append(file.row(1, "the extent along the normal")[0])
+        file.row(1, "the extent along the normal")
     file.finish()
-    return Rectangles(np.array(corners).reshape(-1, 3, 3), np.array(extents))
+    return np.array(corners).reshape(-1, 3, 3)
 
 
 def _pairs(folder: Path) -> dict[str, tuple[Path, Path]]:
@@ -94,6 +81,6 @@ def _pairs(folder: Path) -> dict[str, tuple[Path, Path]]:
 
 
 def _shape(name: str, model: Path, planes: Path) -> Shape:
-    corners = read_planes(planes).corners
+    corners = read_corners(planes)
     shape = read_shape(model, name, "Funk 2017", (through(np.cross(b - a, c - a), a) for a, b, c in corners))
     return shape._replace(corners=corners)

@@ -6,9 +6,6 @@ Number k depends on the seed and on k alone: objects are made when they are aske
 consecutive numbers has all kinds in equal shares.
 """
 
-from collections.abc import Iterator
-from typing import NamedTuple
-
 from experiments.data.cases import Case, made
 from symjax.datasets import KINDS
 from symjax.errors import InvalidArgumentError
@@ -30,27 +27,12 @@ def kind(k: int) -> str:
     return PROCEDURAL_KINDS[k % len(PROCEDURAL_KINDS)]
 
 
-class Procedural(NamedTuple):
-    """The benchmark of a seed.
+def generated_object(k: int, num_points: int = 5000, *, seed: int = SEED) -> Case:
+    """Object number k in a random pose; its name is its kind, its seed tells it from all others.
 
-    Attributes:
-        seed: which 1 354 objects.
-        num_points: points of a cloud.
+    Raises:
+        InvalidArgumentError: k is not from 0 to 1353.
     """
-
-    seed: int = SEED
-    num_points: int = 5000
-
-    def case(self, k: int) -> Case:
-        """Object number k in a random pose; its name is its kind, its seed tells it from all others.
-
-        Raises:
-            InvalidArgumentError: k is not from 0 to 1353.
-        """
-        if not 0 <= k < NUM_OBJECTS:
-            raise InvalidArgumentError(f"object {k} of {NAME}: 0 to {NUM_OBJECTS - 1} expected")
-        return made(kind(k), self.num_points, NUM_OBJECTS * self.seed + k)
-
-    def cases(self, most: int = NUM_OBJECTS) -> Iterator[Case]:
-        """The first objects, made one by one."""
-        return (self.case(k) for k in range(min(most, NUM_OBJECTS)))
+    if not 0 <= k < NUM_OBJECTS:
+        raise InvalidArgumentError(f"object {k} of {NAME}: 0 to {NUM_OBJECTS - 1} expected")
+    return made(kind(k), num_points, NUM_OBJECTS * seed + k)

@@ -1,6 +1,6 @@
 """An object of a benchmark in its own frame, and the posed cases that are made of it."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,13 +68,6 @@ class Shape(NamedTuple):
         posed = self.posed(seed)
         points = posed.points(num_points, np.random.default_rng([seed, 1, *self.name.encode()]))
         return Case(self.name, self.group, points, posed.planes, self.diagonal, seed, posed.axis)
-
-
-def cases(shapes: Iterable[Shape], num_points: int, seeds: int) -> Iterator[Case]:
-    """Every shape in `seeds` random poses."""
-    for shape in shapes:
-        for seed in range(seeds):
-            yield shape.case(num_points, seed)
 
 
 def read_shape(path: Path, name: str, group: str, planes: Iterable[Plane] = (), axis: Axis | None = None) -> Shape:

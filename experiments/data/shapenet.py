@@ -16,6 +16,7 @@ from experiments.data.shape import Shape, read_shape
 from experiments.framework.absence import DataAbsentError, required
 from symjax.errors import FileFormatError
 from symjax.geometry.plane import Plane
+from symjax.geometry.plane_nms import suppress
 from symjax.io import parsing
 
 INSTRUCTIONS = """PRS-Net's planes for 1 000 models of ShapeNetCore.v2.
@@ -32,12 +33,11 @@ APART = 5.0
 """Degrees within which two planes are one."""
 
 
-def load(folder: Path, *, allow_missing: bool = False) -> Iterator[Shape]:
+def load(folder: Path) -> Iterator[Shape]:
     """The listed models with their planes, in the order of the list.
 
     Args:
         folder: laid out as `INSTRUCTIONS` say.
-        allow_missing: give those models that are there. Scores over a part of the list are no scores of the benchmark.
 
     Raises:
         DataAbsentError: a file, or a model, is not there.
@@ -49,7 +49,7 @@ def load(folder: Path, *, allow_missing: bool = False) -> Iterator[Shape]:
         raise FileFormatError(f"{folder}: {LIST} lists {len(names)} models, {PLANES} has planes for {len(planes)}")
     models = [_model(folder, name) for name in names]
     missing = [name for name, path in zip(names, models, strict=True) if path is None]
-    if missing and not (allow_missing and len(missing) < len(names)):
+    if missing:
         absent = f"{len(missing)} of {len(names)} models in {folder}, the first {missing[0]}"
         raise DataAbsentError(f"DATA IS ABSENT: {absent}\n{INSTRUCTIONS}")
     rows = zip(names, models, planes, strict=True)
@@ -75,7 +75,7 @@ def read_planes(path: Path) -> list[tuple[Plane, ...]]:
 
 
 def _planes_of(row: np.ndarray, where: str) -> tuple[Plane, ...]:
-    kept: list[Plane] = []
+    given = np.empty((0, 4))
     for cell in row:
         values = np.ravel(cell)
         if values.size == 0:
@@ -83,12 +83,11 @@ def _planes_of(row: np.ndarray, where: str) -> tuple[Plane, ...]:
         if values.size != 4 or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
             raise FileFormatError(f"{where}: {parsing.shown(str(values))} is no plane: four finite numbers expected")
         length = float(np.linalg.norm(values[:3]))
-        if length == 0:
-            continue
-        plane = Plane(values[:3] / length, np.asarray(-values[3] / length))
-        if all(plane.angle(other) >= APART for other in kept):
-            kept.append(plane)
-    return tuple(kept)
+        if length > 0:
+            given = np.vstack([given, values / length])
+    planes = Plane(given[:, :3], -given[:, 3])
+    kept = suppress(planes, np.arange(len(given)), angle=APART, offset=np.inf, most=len(given))
+    return tuple(Plane(planes.normal[k], planes.offset[k]) for k in kept)
 
 
 def _read_list(path: Path) -> list[str]:

@@ -24,7 +24,7 @@ def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Re
 
 
 POOLS: dict[str, WorkerPool] = {}
-"""Of a process of the cluster, by the run: workers that a killed run left there hold the code of its day."""
+"""Of a process of the cluster, by the run: workers that a killed run left there still run the old code."""
 
 
 def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator[Result, None, None]:

@@ -52,9 +52,9 @@ def run(
     """Calls `function(**task)` for every task that has not ended in a file, and appends what comes of it at once.
 
     A task that raises, hangs, takes too much memory or ends its process has that as its result, and the run goes on. Of
-    several lines of a task the last counts. Two ends are no ends and are done again: an error, and what a limit ended
-    that was smaller than now (but not if its line is of old and does not say the limit). An error that comes again is
-    not written again. To have anything else done again, remove its line.
+    several lines of a task the last counts. Tasks are repeated if they failed with an error, or hit a limit smaller
+    than the current one (but not if the line is old and does not say the limit). An error that comes again is not
+    written again. To have any other task repeated, remove its line.
 
     Lines of another commit are used, and stderr is told how many; two states of a changed checkout are not told apart.
     Where the rows come from (command, commit, versions, machine, time) is a line a run in `NAME.runs.jsonl` beside the

@@ -14,7 +14,7 @@ class WorkerPool:
     """Workers that are started when they are needed and kept for the next task; shared between threads."""
 
     def __init__(self) -> None:
-        """Nobody yet."""
+        """Creates an empty pool."""
         self._lock = threading.Lock()
         self._idle: list[Worker] = []
         self._busy: set[Worker] = set()

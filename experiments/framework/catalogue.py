@@ -20,8 +20,6 @@ STUDIES = {
     "articulated": "paper.articulated:STUDY",
     "growth": "paper.growth:STUDY",
     "scale": "speed.scale:STUDY",
-    "timing": "speed.timing:STUDY",
-    "end_to_end": "symhks.end_to_end:STUDY",
     "sym_hks_ablation": "symhks.ablation:STUDY",
     "ablation": "robust.ablation:STUDY",
     "calibration": "robust.calibration:STUDY",

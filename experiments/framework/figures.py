@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 def new(width: float, height: float) -> "Figure":
-    """An empty figure of so many inches, apart from pyplot: no window, and nothing to close."""
+    """A figure of the given size in inches, apart from pyplot: no window, and nothing to close."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")

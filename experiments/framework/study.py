@@ -12,6 +12,10 @@ def _unchanged(config: Any, folder: Path) -> Any:
     return config
 
 
+def _the_rows(rows: list[Row]) -> list[Row]:
+    return rows
+
+
 @dataclass(frozen=True)
 class Study:
     """One question and how it is answered.
@@ -22,7 +26,8 @@ class Study:
         sizes: configurations by the name of their size, "full" and "small". Fields that are a number or a string become
             options of the command.
         run: gives the rows of a configuration.
-        summary: gives the lines of the printed table, with the paper's number or the target beside ours.
+        summary: gives the lines of the printed table, with the paper's number or the target beside ours; by default the
+            rows.
         draw: draws the rows of a configuration into a PNG file, and into a PDF beside it (`figures.save`).
         notes: gives Markdown that stands under the table.
         place: gives a configuration the folder of the results, where it writes more than the tables.
@@ -34,7 +39,7 @@ class Study:
     doc: str
     sizes: Mapping[str, Any]
     run: Callable[[Any], list[Row]]
-    summary: Callable[[list[Row]], list[Row]]
+    summary: Callable[[list[Row]], list[Row]] = _the_rows
     draw: Callable[[Any, list[Row], Path], None] | None = None
     notes: Callable[[list[Row]], str] | None = None
     place: Callable[[Any, Path], Any] = _unchanged

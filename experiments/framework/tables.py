@@ -1,10 +1,20 @@
 """Rows of results: as CSV, as aligned text and as a Markdown table."""
 
 import csv
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 Row = dict[str, Any]
+
+
+def grouped(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:
+    """Rows by the value of a column, or by the tuple of the values of several, in the order in which these come."""
+    groups: dict[Any, list[Row]] = {}
+    for row in rows:
+        values = tuple(row[key] for key in keys)
+        groups.setdefault(values if len(keys) > 1 else values[0], []).append(row)
+    return groups
 
 
 def write_rows(rows: list[Row], path: Path) -> None:

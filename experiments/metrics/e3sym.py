@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from experiments.baselines.ranking import plane_distance
 from experiments.metrics import matching
-from experiments.metrics.frame import Frame, frame_of
 from experiments.metrics.matching import Tally
 from experiments.metrics.prediction import Prediction
+from experiments.metrics.ranking import plane_distance
+from symjax.geometry.plane import Plane
 
 FINE = np.linspace(0.0, 0.2, 201)
 """Thresholds of prsnet-repro."""
@@ -24,17 +24,14 @@ COARSE = np.array([0.05, 0.1, 0.15, 0.2])
 """Thresholds of Aguirre and Sipiran (WACV 2026)."""
 
 
-def tallies(
-    predictions: Sequence[Prediction], thresholds: np.ndarray = FINE, frame: Frame | None = None
-) -> list[Tally]:
+def tallies(predictions: Sequence[Prediction], thresholds: np.ndarray = FINE) -> list[Tally]:
     """Pooled counts at every threshold; a match is nearer than the threshold.
 
     Args:
         predictions: all shapes, also those without an answer or without a truth.
         thresholds: largest distances of a match.
-        frame: where offsets are compared; by default `frame_of` each case.
     """
-    found = [matching.by_cost(_distances(one, frame or frame_of(one.case))) for one in predictions]
+    found = [matching.by_cost(_distances(one)) for one in predictions]
     distances = np.sort(np.concatenate(found)) if found else np.empty(0)
     num_answers = sum(len(one.ranking.offsets) for one in predictions)
     num_truths = sum(len(one.case.planes) for one in predictions)
@@ -42,13 +39,13 @@ def tallies(
     return [Tally(int(count), num_answers, num_truths) for count in hits]
 
 
-def f_score(predictions: Sequence[Prediction], thresholds: np.ndarray = FINE, frame: Frame | None = None) -> float:
+def f_score(predictions: Sequence[Prediction], thresholds: np.ndarray = FINE) -> float:
     """Mean of the pooled F over the thresholds."""
-    return float(np.mean([tally.f for tally in tallies(predictions, thresholds, frame)]))
+    return float(np.mean([tally.f for tally in tallies(predictions, thresholds)]))
 
 
-def _distances(prediction: Prediction, frame: Frame) -> Float[np.ndarray, "k t"]:
+def _distances(prediction: Prediction) -> Float[np.ndarray, "k t"]:
     """D of every answer and truth."""
-    truths = frame.of(prediction.truths)
-    rows = [plane_distance(*truths, *answer) for answer in zip(*frame.of(prediction.answers), strict=True)]
+    answers, truths = map(prediction.to_diagonals.plane, (prediction.answers, prediction.truths))
+    rows = [plane_distance(truths, Plane(*answer)) for answer in zip(*answers, strict=True)]
     return np.array(rows).reshape(len(rows), len(prediction.case.planes))

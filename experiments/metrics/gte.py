@@ -7,10 +7,10 @@ fit the square, so both are given.
 
 from typing import NamedTuple
 
-from experiments.baselines.ranking import plane_distance
-from experiments.metrics.frame import Frame, frame_of
 from experiments.metrics.prediction import Prediction
+from experiments.metrics.ranking import plane_distance
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.plane import Plane
 
 
 class GroundTruthError(NamedTuple):
@@ -25,21 +25,19 @@ class GroundTruthError(NamedTuple):
     plain: float
 
 
-def gte(prediction: Prediction, frame: Frame | None = None) -> GroundTruthError:
+def gte(prediction: Prediction) -> GroundTruthError:
     """GTE of the best answer of a case: the least over its truths.
 
     That the best answer alone is scored is our choice: which planes the published means run over is not known.
 
     Args:
         prediction: at least one answer and one truth.
-        frame: where offsets are compared; by default `frame_of` the case.
 
     Raises:
         InvalidArgumentError: no answer, or no truth.
     """
-    frame = frame_of(prediction.case) if frame is None else frame
     if not len(prediction.ranking.offsets) or not prediction.case.planes:
         raise InvalidArgumentError(f"GTE of {prediction.case.name!r}: an answer and a truth are needed")
-    normals, offsets = frame.of(prediction.answers)
-    plain = float(plane_distance(*frame.of(prediction.truths), normals[0], offsets[0]).min())
+    answers, truths = map(prediction.to_diagonals.plane, (prediction.answers, prediction.truths))
+    plain = float(plane_distance(truths, Plane(answers.normal[0], answers.offset[0])).min())
     return GroundTruthError(plain**2, plain)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from experiments.metrics.prediction import Vectors
+from symjax.geometry.plane import Plane
 
 
 class Patches(NamedTuple):
@@ -40,13 +40,13 @@ def from_corners(corners: Float[np.ndarray, "k 3 3"], *, as_printed: bool = Fals
     return Patches(normals / np.linalg.norm(normals, axis=1, keepdims=True), centres, sides)
 
 
-def bounding(planes: Vectors, points: Float[np.ndarray, "n 3"]) -> Patches:
+def bounding(planes: Plane, points: Float[np.ndarray, "n 3"]) -> Patches:
     """The rectangles that bound the projections of all points, for planes that are given without one.
 
     As the organisers' writer places them: one side along the projection of z on the plane, or of x where that is
     short. It bounds the inliers, and its axes are not of unit length; both are put right here.
     """
-    normals, offsets = planes
+    normals, offsets = map(np.asarray, planes)
     centres, sides = np.empty_like(normals), np.empty(len(normals))
     for k, normal in enumerate(normals):
         z = np.array([0.0, 0.0, 1.0])

@@ -3,13 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
-from experiments.baselines.ranking import Ranking
 from experiments.data.cases import Case
-
-Vectors = tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"]]
-"""Unit normals and offsets."""
+from experiments.metrics.ranking import Ranking
+from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
 
 
 class Prediction(NamedTuple):
@@ -24,12 +22,21 @@ class Prediction(NamedTuple):
     case: Case
 
     @property
-    def answers(self) -> Vectors:
+    def answers(self) -> Plane:
         """The predicted planes, best first."""
-        return self.ranking.normals, self.ranking.offsets
+        return Plane(self.ranking.normals, self.ranking.offsets)
 
     @property
-    def truths(self) -> Vectors:
+    def truths(self) -> Plane:
         """The right planes that are listed; the planes through an axis are not."""
         planes = self.case.planes
-        return np.array([p.normal for p in planes]).reshape(-1, 3), np.array([float(p.offset) for p in planes])
+        return Plane(np.array([p.normal for p in planes]).reshape(-1, 3), np.array([float(p.offset) for p in planes]))
+
+    @property
+    def to_diagonals(self) -> Similarity:
+        """Into the frame in which planes are compared as 4-vectors: about the mean of the points, in diagonals.
+
+        Their offsets depend on origin and unit. PRS-Net's frame is that of ShapeNetCore.v2: the middle of the bounding
+        box, of diagonal 1. The mean is our choice for clouds in any pose: that middle moves as the object turns.
+        """
+        return Similarity(self.case.diagonal, None, self.case.points.mean(axis=0)).inverse()

@@ -126,9 +126,4 @@ def _checked(
     }
 
 
-def summary(rows: list[Row]) -> list[Row]:
-    """The rows."""
-    return rows
-
-
-STUDY = Study("gradient", __doc__, SIZES, run, summary, data=PLANTED)
+STUDY = Study("gradient", __doc__, SIZES, run, data=PLANTED)

@@ -12,9 +12,9 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.data.descriptions import PLANTED
+from experiments.data.planted_planes import METHODS, angle, planes
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
-from experiments.studies.estimator.planted_planes import METHODS, angle, planes
+from experiments.framework.tables import Row, grouped
 from symjax.datasets.planted_pairs import SEMI_AXES, PlantedPairs, planted_pairs
 from symjax.geometry import distance
 from symjax.geometry.plane import Plane
@@ -82,11 +82,8 @@ def _offset_error(plane: Plane, truth: PlantedPairs) -> float:
 
 def summary(rows: list[Row]) -> list[Row]:
     """The share of trials within 7°, and the largest errors on exact pairs."""
-    groups: dict[tuple[str, str, str, str, float], list[Row]] = {}
-    for row in rows:
-        key = row["pairs"], row["dtype"], row["blob"], row["start"], row["outliers"]
-        groups.setdefault(key, []).append(row)
     lines = []
+    groups = grouped(rows, "pairs", "dtype", "blob", "start", "outliers")
     for (kind, dtype, blob, start, share), group in groups.items():
         angles = np.array([row["angle"] for row in group])
         offsets = np.array([row["offset_error"] for row in group])

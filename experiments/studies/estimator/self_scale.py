@@ -88,20 +88,11 @@ def _coverage(config: Config) -> Iterator[Row]:
             apart = side * (truth.offset - truth.normal @ region.centre)
             shifts.append((estimate.offset - estimate.normal @ region.centre - apart) / region.offset)
         case = f"sigma {sigma}, {config.trial_pairs} pairs, {config.trial_outliers:.0%} outliers"
-        yield _row(
-            f"regions that hold the plane, {config.trials} trials", case, float(np.mean(held)), "", "0.93 to 0.97"
-        )
-        yield _row(
-            "turn over its standard error, root mean square", case, float(np.sqrt(np.mean(np.square(turns)))), "", "1"
-        )
-        yield _row(
-            "shift over its standard error, root mean square", case, float(np.sqrt(np.mean(np.square(shifts)))), "", "1"
-        )
+        holding = f"regions that hold the plane, {config.trials} trials"
+        yield _row(holding, case, float(np.mean(held)), "", "0.93 to 0.97")
+        for error, values in (("turn", turns), ("shift", shifts)):
+            figure = f"{error} over its standard error, root mean square"
+            yield _row(figure, case, float(np.sqrt(np.mean(np.square(values)))), "", "1")
 
 
-def summary(rows: list[Row]) -> list[Row]:
-    """The rows."""
-    return rows
-
-
-STUDY = Study("self_scale", __doc__, SIZES, run, summary, data=PLANTED)
+STUDY = Study("self_scale", __doc__, SIZES, run, data=PLANTED)

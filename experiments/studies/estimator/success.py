@@ -160,12 +160,7 @@ def _passes(config: Config) -> Iterator[Row]:
                 pairs = planted_pairs(np.random.default_rng([seed, 5]), size, share)
                 starts = random_points(jax.random.key(seed), config.restarts)
                 if where == "local":
-                    away = (
-                        starts - jnp.sum(starts * pairs.normal[None, :], axis=1, keepdims=True) * pairs.normal[None, :]
-                    )
-                    away = away / jnp.linalg.norm(away, axis=1, keepdims=True)
-                    turn = LOCAL_ANGLE * jax.random.uniform(jax.random.key(seed + 99), (config.restarts, 1))
-                    starts = jnp.cos(turn) * pairs.normal[None, :] + jnp.sin(turn) * away
+                    starts = _near(jnp.asarray(pairs.normal), starts, jax.random.key(seed + 99))
                 fit = sweep(pairs.x, pairs.y, [sigma], starts, tol=LOCAL_TOL)
                 counts.append(np.asarray(fit.num_steps) + 1)
                 hits.append(_angle(fit, pairs) < SUCCESS)
@@ -175,9 +170,4 @@ def _passes(config: Config) -> Iterator[Row]:
             yield _row(f"{where} starts, {share:.0%} outliers", name, float(np.mean(hits)), "", counted, target)
 
 
-def summary(rows: list[Row]) -> list[Row]:
-    """The rows."""
-    return rows
-
-
-STUDY = Study("success", __doc__, SIZES, run, summary, data=PLANTED)
+STUDY = Study("success", __doc__, SIZES, run, data=PLANTED)

@@ -73,14 +73,5 @@ def notes(rows: list[Row]) -> str:
 
 
 STUDY = Study(
-    "arena",
-    __doc__,
-    SIZES,
-    run,
-    summary,
-    draw=draw,
-    notes=notes,
-    place=place,
-    data=BENCHMARKS,
-    paper="its comparisons",
+    "arena", __doc__, SIZES, run, summary, draw=draw, notes=notes, place=place, data=BENCHMARKS, paper="its comparisons"
 )

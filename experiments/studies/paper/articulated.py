@@ -95,7 +95,6 @@ STUDY = Study(
     __doc__,
     SIZES,
     run,
-    lambda rows: rows,
     draw=draw,
     data="a generated figure with one leg swung forward",
     paper="last example of its partial models",

@@ -23,7 +23,7 @@ from experiments.comparison.attempt import attempt
 from experiments.data.descriptions import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from symjax import datasets
 from symjax.datasets.sample import Sample
 from symjax.geometry.plane import Plane
@@ -136,16 +136,14 @@ def _errors(cut: Part, kept: Float[np.ndarray, "k 3"], added: Float[np.ndarray, 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a way of completing, over all objects and for each kind: means over the objects, and the worst of them."""
     lines = []
-    kinds = list(dict.fromkeys(row["kind"] for row in rows))
-    for kind, of in [("all", kinds), *((kind, [kind]) for kind in kinds)]:
-        for way in dict.fromkeys(row["completed by"] for row in rows):
-            chosen_rows = [row for row in rows if row["kind"] in of and row["completed by"] == way]
-            line: Row = {"objects": kind, "number": len(chosen_rows), "completed by": way}
+    for kind, of_kind in ({"all": rows} | grouped(rows, "kind")).items():
+        for way, group in grouped(of_kind, "completed by").items():
+            line: Row = {"objects": kind, "number": len(group), "completed by": way}
             for name in ("gap, mean", "gap, 95 %", "added, 95 %"):
-                values = [row[name] for row in chosen_rows if row[name] != ""]
+                values = [row[name] for row in group if row[name] != ""]
                 line[name] = float(np.mean(values)) if values else ""
-            line["gap, 95 %, worst"] = max(row["gap, 95 %"] for row in chosen_rows)
-            angles = [row["angle"] for row in chosen_rows if row["angle"] != ""]
+            line["gap, 95 %, worst"] = max(row["gap, 95 %"] for row in group)
+            angles = [row["angle"] for row in group if row["angle"] != ""]
             line["median deg"] = float(np.median(angles)) if angles else ""
             lines.append(line | {"data": "generated", "paper": "a figure of others"})
     return lines

@@ -17,10 +17,10 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.data.descriptions import PLANTED
-from experiments.framework.figures import save
+from experiments.data.planted_planes import METHODS, PLACES, angle, pairs, planes
+from experiments.framework import figures
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
-from experiments.studies.estimator.planted_planes import METHODS, PLACES, angle, pairs, planes
+from experiments.framework.tables import Row, grouped
 from symjax.datasets.planted_pairs import SEMI_AXES
 
 PAPER_SHARE, PAPER_ANGLE = 0.65, 7.0
@@ -70,48 +70,41 @@ def run(config: Config) -> list[Row]:
     return rows
 
 
-def _angles(rows: list[Row], **where: object) -> np.ndarray:
-    return np.array([row["angle"] for row in rows if all(row[key] == value for key, value in where.items())])
+def _angles(rows: list[Row]) -> dict[tuple[str, str, float, str], list[float]]:
+    """By place of the outliers, blob, share and method."""
+    groups = grouped(rows, "outliers", "blob", "share", "method")
+    return {key: [row["angle"] for row in group] for key, group in groups.items()}
 
 
 def summary(rows: list[Row]) -> list[Row]:
     """Medians and the share below 7° at 65 % of outliers."""
-    lines = []
-    for place in PLACES:
-        for blob in dict.fromkeys(row["blob"] for row in rows):
-            for method in METHODS:
-                angles = _angles(rows, outliers=place, blob=blob, share=PAPER_SHARE, method=method)
-                lines.append(
-                    {
-                        "outliers": f"65 % {place}",
-                        "blob": blob,
-                        "method": method,
-                        "median deg": float(np.median(angles)),
-                        "upper quartile": float(np.quantile(angles, 0.75)),
-                        "share < 7 deg": float(np.mean(angles < PAPER_ANGLE)),
-                        "paper": "< 7 deg" if method.startswith("L2E") else "moves away",
-                    }
-                )
-    return lines
+    return [
+        {
+            "outliers": f"65 % {place}",
+            "blob": blob,
+            "method": method,
+            "median deg": float(np.median(angles)),
+            "upper quartile": float(np.quantile(angles, 0.75)),
+            "share < 7 deg": float(np.mean(np.array(angles) < PAPER_ANGLE)),
+            "paper": "< 7 deg" if method.startswith("L2E") else "moves away",
+        }
+        for (place, blob, share, method), angles in _angles(rows).items()
+        if share == PAPER_SHARE
+    ]
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Median and quartiles of the deviation against the share of outliers."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(
-        len(PLACES), len(config.blobs), figsize=(4 * len(config.blobs), 6.4), sharex=True, sharey=True, squeeze=False
-    )
+    drawn = figures.new(4 * len(config.blobs), 6.4)
+    axes = drawn.subplots(len(PLACES), len(config.blobs), sharex=True, sharey=True, squeeze=False)
+    angles = _angles(rows)
     colours = dict(zip(METHODS, ("tab:cyan", "tab:blue", "tab:red", "tab:orange"), strict=True))
     percent = 100 * np.asarray(config.shares)
     for place, line in zip(PLACES, axes, strict=True):
         for blob, ax in zip(config.blobs, line, strict=True):
             for method, colour in colours.items():
-                angles = [_angles(rows, outliers=place, blob=blob, share=s, method=method) for s in config.shares]
-                low, middle, high = np.quantile(angles, [0.25, 0.5, 0.75], axis=1)
+                of_line = [angles[place, blob, share, method] for share in config.shares]
+                low, middle, high = np.quantile(of_line, [0.25, 0.5, 0.75], axis=1)
                 ax.plot(percent, middle, color=colour, label=method, marker="o", markersize=3)
                 ax.fill_between(percent, low, high, color=colour, alpha=0.18, linewidth=0)
             ax.axhline(PAPER_ANGLE, color="gray", linestyle=":", linewidth=1)
@@ -125,9 +118,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     for ax in axes[:, 0]:
         ax.set_ylabel("deviation angle, °")
     axes[0, 0].legend(fontsize=7, loc="upper left")
-    figure.tight_layout()
-    save(figure, path)
-    plt.close(figure)
+    figures.save(drawn, path)
 
 
 STUDY = Study("deviation", __doc__, SIZES, run, summary, draw=draw, data=PLANTED, paper="its third figure")

@@ -29,7 +29,7 @@ from experiments.execution.worker import Worker
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
 
 VERTICES = 1042
@@ -133,22 +133,22 @@ def exponent(seconds: Mapping[int, float]) -> float | str:
     return float(np.polyfit(np.log(list(grown)), np.log(list(grown.values())), 1)[0])
 
 
-def medians(rows: list[Row], method: str) -> dict[int, float]:
+def medians(rows: list[Row]) -> dict[int, float]:
     """Median seconds of a method by size, where all its calls came to an end."""
-    of_method = [row for row in rows if row["method"] == method]
-    failed = {row["points"] for row in of_method if row["status"] != "ok"}
-    sizes = dict.fromkeys(row["points"] for row in of_method if row["points"] not in failed)
-    return {size: float(np.median([row["seconds"] for row in of_method if row["points"] == size])) for size in sizes}
+    return {
+        size: float(np.median([row["seconds"] for row in group]))
+        for size, group in grouped(rows, "points").items()
+        if all(row["status"] == "ok" for row in group)
+    }
 
 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a method, and one for each that the paper prints."""
     sizes = sorted(dict.fromkeys(row["points"] for row in rows))
     lines = []
-    for method in dict.fromkeys(row["method"] for row in rows):
-        of_method = [row for row in rows if row["method"] == method]
+    for method, of_method in grouped(rows, "method").items():
         failed = {row["points"]: row["failure"] for row in of_method if row["status"] != "ok"}
-        seconds = medians(rows, method)
+        seconds = medians(of_method)
         angles = [row["angle"] for row in of_method if row["status"] == "ok"]
         line: Row = {"method": METHODS[method].title, "data": "generated, this machine"}
         line |= {f"{size} points, s": seconds.get(size, failed.get(size, "not tried")) for size in sizes}
@@ -166,8 +166,8 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Seconds over points, both logarithmic; what the paper prints is dashed, or dotted."""
     drawn = figures.new(10, 5.5)
     axes = drawn.subplots()
-    for index, method in enumerate(dict.fromkeys(row["method"] for row in rows)):
-        seconds = medians(rows, method)
+    for index, (method, group) in enumerate(grouped(rows, "method").items()):
+        seconds = medians(group)
         label = f"{METHODS[method].title}: {exponent(seconds):.2}"
         line = axes.plot(list(seconds), list(seconds.values()), f"C{index % 10}{'o^'[index // 10 % 2]}-", label=label)
         line[0].set(markersize=4, linewidth=3.0 if method == OURS else 1.2)

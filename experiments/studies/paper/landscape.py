@@ -14,10 +14,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from experiments.data.descriptions import PLANTED
-from experiments.framework.figures import save
+from experiments.data.planted_planes import METHODS, PLACES, angle, pairs, planes
+from experiments.framework import figures
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
-from experiments.studies.estimator.planted_planes import METHODS, PLACES, angle, pairs, planes
 from symjax.datasets.planted_pairs import PlantedPairs
 from symjax.l2e.manifolds import tangent_basis
 from symjax.l2e.objective import l2e_objective, squared_residuals
@@ -56,10 +56,6 @@ class Config:
 
 
 SIZES = {"full": Config(), "small": Config(shares=(0.0, 0.65), pixels=41)}
-
-
-def _clouds(config: Config) -> list[PlantedPairs]:
-    return [pairs([config.seed], config.num_pairs, share, config.blob, config.place) for share in config.shares]
 
 
 def run(config: Config) -> list[Row]:
@@ -122,23 +118,17 @@ def _frame(cloud: PlantedPairs) -> Float[np.ndarray, "3 3"]:
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
     """Three rows of panels, a column for each share of outliers."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    from matplotlib.patches import Circle
 
     columns = len(config.shares)
-    figure = plt.figure(figsize=(2.9 * columns, 9.2))
+    drawn = figures.new(2.9 * columns, 9.2)
     ticks = np.linspace(-1, 1, config.pixels)
     disc = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
     inside = (disc**2).sum(axis=1) <= 1
-    for column, (share, cloud) in enumerate(zip(config.shares, _clouds(config), strict=True)):
-        found = {
-            row["method"]: np.array([row[f"normal_{axis}"] for axis in "xyz"])
-            for row in rows
-            if row["share"] == share and row["outliers"] == config.place
-        }
-        ax: Any = figure.add_subplot(3, columns, 1 + column, projection="3d")
+    for column, share in enumerate(config.shares):
+        cloud = pairs([config.seed], config.num_pairs, share, config.blob, config.place)
+        found = {row["method"]: row for row in rows if (row["share"], row["outliers"]) == (share, config.place)}
+        ax: Any = drawn.add_subplot(3, columns, 1 + column, projection="3d")
         _draw_pairs(ax, cloud)
         ax.set_title(f"{share:.0%} outlier pairs", fontsize=11)
         with jax.enable_x64(True):
@@ -149,26 +139,22 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
             ("L2E cost −f", METHODS[1], "blue", np.asarray(costs[1])),
         )
         for line, (title, method, colour, cost) in enumerate(marks):
-            ax = figure.add_subplot(3, columns, 1 + (line + 1) * columns + column)
+            ax = drawn.add_subplot(3, columns, 1 + (line + 1) * columns + column)
             image = np.full(len(disc), np.nan)
             image[inside] = cost
             ax.pcolormesh(
                 ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterized=True
             )
-            ax.add_patch(plt.Circle((0, 0), 1, fill=False, color="black", linewidth=0.8))
-            for label, normal, face, size in (("true", cloud.normal, "lime", 90), (method, found[method], colour, 45)):
+            ax.add_patch(Circle((0, 0), 1, fill=False, color="black", linewidth=0.8))
+            fitted = np.array([found[method][f"normal_{axis}"] for axis in "xyz"])
+            for label, normal, face, size in (("true", cloud.normal, "lime", 90), (method, fitted, colour, 45)):
                 ax.scatter(*_onto_disc(normal, frame), s=size, color=face, edgecolor="white", label=label, zorder=3)
-            degrees = next(
-                r["angle"] for r in rows if (r["share"], r["outliers"], r["method"]) == (share, config.place, method)
-            )
-            ax.set_title(f"{title}: {degrees:.2g}° off", fontsize=9)
+            ax.set_title(f"{title}: {found[method]['angle']:.2g}° off", fontsize=9)
             ax.set_aspect("equal")
             ax.axis("off")
             if column == 0:
                 ax.legend(fontsize=7, loc="lower left")
-    figure.tight_layout()
-    save(figure, path)
-    plt.close(figure)
+    figures.save(drawn, path)
 
 
 def _draw_pairs(ax: Any, cloud: PlantedPairs) -> None:

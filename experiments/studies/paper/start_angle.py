@@ -20,7 +20,7 @@ from jaxtyping import Float
 from tqdm import tqdm
 
 import symjax
-from experiments.baselines.ranking import framed
+from experiments.baselines.frame import framed
 from experiments.baselines.three_d_symm import ThreeDSymm, alternate, nearest
 from experiments.data import corruptions
 from experiments.data.cases import generated, kinds_of
@@ -29,7 +29,7 @@ from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE, deviation
 from symjax import Robust
 from symjax.datasets.planted_pairs import SEMI_AXES, planted_pairs
@@ -126,8 +126,8 @@ def _three_d_symm(points: Float[np.ndarray, "n 3"]) -> Settle:
     match = nearest(frame.points)
 
     def settle(start: Plane) -> Plane:
-        offset = float(start.offset - start.normal @ frame.centre) / frame.length
-        normal, offset = alternate(frame.points, np.asarray(start.normal), offset, match)
+        own = frame.to_given.inverse().plane(start)
+        normal, offset = alternate(frame.points, np.asarray(own.normal), float(own.offset), match)
         return frame.ranking(normal[None], np.array([offset]), np.zeros(1)).plane()
 
     return settle
@@ -157,10 +157,7 @@ def _row(method: str, start: float, angle: float) -> Row:
 
 def curves(rows: list[Row]) -> dict[tuple[str, str], dict[float, list[Row]]]:
     """The rows of every condition and method by the angle of the start."""
-    found: dict[tuple[str, str], dict[float, list[Row]]] = {}
-    for row in rows:
-        found.setdefault((row["condition"], row["method"]), {}).setdefault(row["start"], []).append(row)
-    return found
+    return {key: grouped(group, "start") for key, group in grouped(rows, "condition", "method").items()}
 
 
 def summary(rows: list[Row]) -> list[Row]:

@@ -17,7 +17,7 @@ from experiments.comparison.plan import Config, outcomes
 from experiments.data.descriptions import BENCHMARKS
 from experiments.framework import figures
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 
 MEASURES = ("hit rate", "F paper", "F", "median angle", "seconds")
 
@@ -59,16 +59,12 @@ def lines_of_methods(config: Config) -> list[Row]:
 
 def points_of_curves(config: Config) -> list[Row]:
     """A line a point of a curve of precision and recall."""
-    rows = outcomes(config)
-    conditions = dict.fromkeys(row["condition"] for row in rows)
-    return [line for name in conditions for line in precision_recall([row for row in rows if row["condition"] == name])]
+    return [line for rows in grouped(outcomes(config), "condition").values() for line in precision_recall(rows)]
 
 
 def largest_f(rows: list[Row]) -> list[Row]:
     """A line a benchmark, condition and method: the largest F of each sweep, and that of Funk's at 5°."""
-    groups: dict[tuple[str, str, str], list[Row]] = {}
-    for row in rows:
-        groups.setdefault((row["benchmark"], row["condition"], row["method"]), []).append(row)
+    groups = grouped(rows, "benchmark", "condition", "method")
     return [
         {"data": benchmark, "condition": condition, "method": ENTRIES[method].title}
         | {f"largest F, {sweep}": max((_f(r) for r in of_one if r["sweep"] == sweep), default=0.0) for sweep in SWEEPS}

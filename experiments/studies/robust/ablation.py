@@ -19,7 +19,7 @@ from experiments.data.corruptions import Trial
 from experiments.data.descriptions import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
 from symjax.robust.method import Robust
 
@@ -88,17 +88,13 @@ def _row(stage: str, trial: Trial) -> Row:
 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a stage: the shares of right answers, then of right planes, found or not."""
-    return [
-        _line(stage, of, [row for row in rows if row["without"] == stage])
-        for of in SHARES
-        for stage in dict.fromkeys(row["without"] for row in rows)
-    ]
+    return [_line(stage, of, group) for of in SHARES for stage, group in grouped(rows, "without").items()]
 
 
 def _line(stage: str, of: str, rows: list[Row]) -> Row:
     line: Row = {"without": stage, "share of": SHARES[of]}
-    for condition in dict.fromkeys(row["condition"] for row in rows):
-        line[condition] = float(np.mean([row[of] for row in rows if row["condition"] == condition]))
+    for condition, group in grouped(rows, "condition").items():
+        line[condition] = float(np.mean([row[of] for row in group]))
     return line | {"all": float(np.mean([row[of] for row in rows])), "clouds": len(rows)}
 
 

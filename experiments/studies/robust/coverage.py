@@ -5,20 +5,18 @@ error speaks of another plane. Of unbiased normal errors the median is 0.83 stan
 the offset.
 """
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from tqdm import tqdm
 
-import symjax
+from experiments.baselines.registry import ENTRIES, OURS
 from experiments.data.cases import kinds_of, made
 from experiments.data.descriptions import SINGLE
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE
 from symjax import datasets
-from symjax.errors import SymjaxWarning
 from symjax.geometry import distance
 
 TARGET = "0.9 to 0.98"
@@ -61,9 +59,7 @@ def _row(kind: str, seed: int, level: float, config: Config) -> Row:
     rng = np.random.default_rng([seed, round(1e6 * level), *kind.encode()])
     case = made(kind, int(rng.integers(config.least_points, config.most_points + 1)), seed)
     points = datasets.corrupt(case.points, rng, noise=level, diagonal=case.diagonal).points
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        found = symjax.detect(points, rng=0)
+    found = ENTRIES[OURS].detect(points, np.random.default_rng(0))
     about = found.uncertainty
     if about is None:
         raise ValueError("the method says nothing of its uncertainty")
@@ -86,9 +82,7 @@ def _row(kind: str, seed: int, level: float, config: Config) -> Row:
 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a level of noise, and one for all."""
-    levels = dict.fromkeys(row["noise"] for row in rows)
-    lines = [_line(level, [row for row in rows if row["noise"] == level]) for level in levels]
-    return [*lines, _line("all", rows)]
+    return [*(_line(level, group) for level, group in grouped(rows, "noise").items()), _line("all", rows)]
 
 
 def _line(noise: float | str, rows: list[Row]) -> Row:

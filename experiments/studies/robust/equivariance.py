@@ -4,7 +4,6 @@ On generated objects; the largest change among them, in degrees and in shares of
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -15,10 +14,12 @@ from experiments.data.cases import generated
 from experiments.data.descriptions import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from symjax import datasets
 from symjax.detection.detect import METHODS
+from symjax.detection.result import Detection
 from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
 
 CHANGES = ("rotation", "reflection", "permutation", "shift by 1e6", "scale 1e-12", "scale 1e12", "all at once")
 TARGET = "<= 0.1 deg, 0.001 diag"
@@ -52,22 +53,15 @@ def run(config: Config) -> list[Row]:
         for method in chosen(config.methods, METHODS):
             before = symjax.detect(case.points, method, rng=0)
             for name in CHANGES:
-                change = _change(name, len(case.points), np.random.default_rng([config.seed, number]))
+                move, order = _change(name, len(case.points), np.random.default_rng([config.seed, number]))
+                after = symjax.detect(np.asarray(move.points(case.points))[order], method, rng=0)
                 row = {"method": method, "model": case.name, "change": name}
-                rows.append(row | _difference(case.points, before.plane, change, method))
+                rows.append(row | _difference(before.plane, case.points, move, after))
     return rows
 
 
-class Change(NamedTuple):
-    """What is done to a cloud: turned, scaled, shifted, reordered."""
-
-    turn: Float[np.ndarray, "3 3"]
-    shift: Float[np.ndarray, "3"]
-    scale: float
-    order: Int[np.ndarray, "n"]
-
-
-def _change(name: str, num_points: int, rng: np.random.Generator) -> Change:
+def _change(name: str, num_points: int, rng: np.random.Generator) -> tuple[Similarity, Int[np.ndarray, "n"]]:
+    """What is done to a cloud, and the new order of its points."""
     every = name == "all at once"
     turn, shift, scale, order = np.eye(3), np.zeros(3), 1.0, np.arange(num_points)
     if name in ("rotation", "reflection") or every:
@@ -79,31 +73,29 @@ def _change(name: str, num_points: int, rng: np.random.Generator) -> Change:
         scale = float(name.split()[1])
     if name == "permutation" or every:
         order = rng.permutation(num_points)
-    return Change(turn, shift, scale, order)
+    return Similarity(scale, turn, shift), order
 
 
-def _difference(points: Float[np.ndarray, "n 3"], before: Plane, change: Change, method: str) -> Row:
-    """Between the plane of the changed cloud and the changed plane of the cloud: degrees, and diagonals."""
-    after = symjax.detect((change.scale * points @ change.turn.T + change.shift)[change.order], method, rng=0)
+def _difference(before: Plane, points: Float[np.ndarray, "n 3"], move: Similarity, after: Detection) -> Row:
+    """Between the plane of the moved cloud and the moved plane of the cloud: degrees, and diagonals."""
     # a point of the plane near the cloud: far from the origin the offset itself is ill-conditioned
     middle = points.mean(axis=0)
-    height = float(before.signed_distance(middle[None])[0])
-    foot = change.scale * change.turn @ (middle - height * before.normal) + change.shift
-    moved = Plane(change.turn @ before.normal, np.zeros(()))
+    foot = move.points(middle - float(before.signed_distance(middle[None])[0]) * before.normal)
     away = float(np.abs(after.plane.signed_distance(foot[None])[0]))
-    return {"angle": float(after.plane.angle(moved)), "offset": away / after.diagonal}
+    return {"angle": float(after.plane.angle(move.plane(before))), "offset": away / after.diagonal}
 
 
 def summary(rows: list[Row]) -> list[Row]:
     """The largest of every method and change."""
-    lines = []
-    for method, change in dict.fromkeys((row["method"], row["change"]) for row in rows):
-        of_change = [row for row in rows if (row["method"], row["change"]) == (method, change)]
-        line: Row = {"method": method, "change": change, "clouds": len(of_change)}
-        line["largest deg"] = max(row["angle"] for row in of_change)
-        line["largest offset"] = max(row["offset"] for row in of_change)
-        lines.append(line | {"target": TARGET})
-    return lines
+    return [
+        {
+            **{"method": method, "change": change, "clouds": len(group)},
+            "largest deg": max(row["angle"] for row in group),
+            "largest offset": max(row["offset"] for row in group),
+            "target": TARGET,
+        }
+        for (method, change), group in grouped(rows, "method", "change").items()
+    ]
 
 
 STUDY = Study("equivariance", __doc__, SIZES, run, summary, data=MADE)

@@ -23,7 +23,7 @@ from experiments.data.corruptions import Trial
 from experiments.data.descriptions import WITH_REAL
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import Deviation, deviation
 
 METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PEER)
@@ -72,10 +72,7 @@ class Config:
     conditions: str = corruptions.ALL
 
 
-SIZES = {
-    "full": Config(),
-    "small": Config(num_points=1500, seeds=1, kinds=2, conditions="clean,out100,both"),
-}
+SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=2, conditions="clean,out100,both")}
 
 
 def run(config: Config) -> list[Row]:
@@ -117,21 +114,21 @@ def summary(rows: list[Row]) -> list[Row]:
     """A line a condition, set of models and method."""
     lines = []
     printed = published.both()["the paper"]
-    for condition in dict.fromkeys(row["condition"] for row in rows):
+    for condition, of_condition in grouped(rows, "condition").items():
         for made in (True, False):
-            of_set = [r for r in rows if r["condition"] == condition and (r["group"] == "generated") == made]
-            ours = _seconds(of_set, OURS)
-            for method in dict.fromkeys(row["method"] for row in of_set):
-                times = _seconds(of_set, method)
+            by_method = grouped((row for row in of_condition if (row["group"] == "generated") == made), "method")
+            ours = _seconds(by_method.get(OURS, []))
+            for method, group in by_method.items():
+                times = _seconds(group)
                 line: Row = {"condition": condition, "models": "generated" if made else "real", "method": method}
-                line |= _rates([row for row in of_set if row["method"] == method])
+                line |= _rates(group)
                 line |= {"median s": float(np.median(times)), "x robust": _median(times / ours) if len(ours) else "-"}
                 lines.append(line | {"target": TARGETS[condition], "paper": printed.get(condition, "")})
     return lines
 
 
-def _seconds(rows: list[Row], method: str) -> np.ndarray:
-    return np.array([row["seconds"] for row in rows if row["method"] == method])
+def _seconds(rows: list[Row]) -> np.ndarray:
+    return np.array([row["seconds"] for row in rows])
 
 
 def _rates(rows: list[Row]) -> Row:

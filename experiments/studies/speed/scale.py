@@ -1,8 +1,10 @@
-"""Seconds of a warm detection as clouds grow, and the peak memory of one with a million points.
+"""Seconds of a warm detection and of its stages as clouds grow, and the peak memory of one with a million points.
 
-Sizes take turns, so that what else the machine does falls on all of them alike.
+Sizes and methods take turns, so that what else the machine does falls on all of them alike. `growth` has the paper's
+times.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -11,13 +13,16 @@ from tqdm import tqdm
 
 import symjax
 from experiments.data.descriptions import SINGLE
-from experiments.framework.memory import peak_memory
+from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
+from experiments.studies.speed.memory import peak_memory
 from symjax import datasets
+from symjax.detection.detect import METHODS
 
-TARGET_RATIO = {300_000: "<= 2.5 x"}
+TARGETS = {("robust", 300_000): "<= 2.5 x", ("sym-hks", 5_000): "< 1 s", ("sym-hks", 300_000): "< 8 s"}
 TARGET_MEMORY = "<= 1024 MiB more"
+MEMORY = ("MiB after first detection", "peak MiB", "more MiB")
 
 
 @dataclass(frozen=True)
@@ -25,58 +30,68 @@ class Config:
     """What is run.
 
     Attributes:
-        sizes: points of the clouds that are timed; times are compared with the first.
+        sizes: points of the clouds that are timed; times of a method are compared with its first.
         repeats: detections of each, on as many objects, after one that is not counted.
         memory_points: points of the cloud whose memory is measured; 0 leaves that out.
         kind: kind of object.
-        method: method of `symjax.detect`.
+        methods: methods of `symjax.detect`, separated by commas; memory is that of the first.
     """
 
     sizes: tuple[int, ...] = (5_000, 50_000, 300_000)
     repeats: int = 5
     memory_points: int = 1_000_000
     kind: str = "quadruped"
-    method: str = "robust"
+    methods: str = ",".join(METHODS)
 
 
 SIZES = {"full": Config(), "small": Config(sizes=(1_500, 6_000), repeats=3, memory_points=50_000)}
 
 
 def run(config: Config) -> list[Row]:
-    """One row a detection that is timed, then one of memory."""
+    """One row a detection that is timed, then one of memory; columns that do not apply are empty."""
+    methods = chosen(config.methods, METHODS)
     rows: list[Row] = []
     # the first of every size compiles
     for repeat in tqdm(range(-1, config.repeats), disable=None):
         for size in config.sizes:
             points = datasets.generate(config.kind, num_points=size, rng=repeat + 1).points
-            start = perf_counter()
-            found = symjax.detect(points, config.method, rng=0)
-            row = {"points": size, "used": found.num_used, "repeat": repeat, "seconds": perf_counter() - start}
-            if repeat >= 0:
-                rows.append(row | {"first MiB": "", "peak MiB": ""})
+            for method in methods:
+                start = perf_counter()
+                found = symjax.detect(points, method, rng=0)
+                row = {"method": method, "points": size, "used": found.num_used, "repeat": repeat}
+                if repeat >= 0:
+                    rows.append(row | {"seconds": perf_counter() - start} | _stages(found.timings))
     if config.memory_points:
         points = datasets.generate(config.kind, num_points=config.memory_points, rng=0).points
-        peak = peak_memory(points, config.method)
-        row = {"points": config.memory_points, "used": "", "repeat": 0, "seconds": ""}
-        rows.append(row | {"first MiB": peak.first, "peak MiB": peak.cloud})
-    return rows
+        row = {"method": methods[0], "points": config.memory_points}
+        rows.append(row | peak_memory(points, methods[0])._asdict())
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [dict.fromkeys(names, "") | row for row in rows]
+
+
+def _stages(timings: Mapping[str, float]) -> Row:
+    return {f"{stage}, s": seconds for stage, seconds in timings.items()}
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a size, and one of memory."""
+    """A line a method and size: medians, also of the stages; and one of memory."""
+    timed = [row for row in rows if row["seconds"] != ""]
+    stages = [name for name in rows[0] if name.endswith(", s")]
     lines: list[Row] = []
-    for size in dict.fromkeys(row["points"] for row in rows if row["seconds"] != ""):
-        seconds = [row["seconds"] for row in rows if row["points"] == size and row["seconds"] != ""]
+    first: dict[str, float] = {}
+    for (method, size), group in sorted(grouped(timed, "method", "points").items()):
+        seconds = [row["seconds"] for row in group]
         median = float(np.median(seconds))
-        line: Row = {"points": size, "times": len(seconds), "median s": median, "longest s": max(seconds)}
-        line["ratio"] = median / lines[0]["median s"] if lines else 1.0
-        nothing = dict.fromkeys(("MiB after first detection", "peak MiB", "more MiB"), "")
-        lines.append(line | nothing | {"target": TARGET_RATIO.get(size, "")})
-    for row in rows:
-        if row["seconds"] == "":
-            first, peak = row["first MiB"], row["peak MiB"]
-            line = dict.fromkeys(lines[0], "") | {"points": row["points"], "target": TARGET_MEMORY}
-            lines.append(line | {"MiB after first detection": first, "peak MiB": peak, "more MiB": peak - first})
+        line: Row = {"method": method, "points": size, "times": len(group), "median s": median}
+        line |= {"longest s": max(seconds), "ratio": median / first.setdefault(method, median)}
+        line |= {
+            stage: "" if group[0][stage] == "" else float(np.median([r[stage] for r in group])) for stage in stages
+        }
+        lines.append(line | dict.fromkeys(MEMORY, "") | {"target": TARGETS.get((method, size), "")})
+    for row in (row for row in rows if row["seconds"] == ""):
+        peaks = row["first"], row["cloud"], row["cloud"] - row["first"]
+        about = {"method": row["method"], "points": row["points"], "target": TARGET_MEMORY}
+        lines.append(dict.fromkeys(lines[0], "") | about | dict(zip(MEMORY, peaks, strict=True)))
     return lines
 
 

@@ -1,12 +1,12 @@
 """What every choice of Sym-HKS is worth: the paper's method as one choice at a time is changed from symjax's default.
 
 The paper leaves some open (times, pairs, σ), and symjax departs from it in others. Radius r and neighbours h are each
-varied alone: the other then does not bound the neighbourhood, while in the default both do. A match is right as in
-`end_to_end`. Where the method gives up, 90 degrees count and no match is right. Under `out20 dropped` outliers
-are dropped before the matching; the choice "front end" settles that under every condition.
+varied alone: the other then does not bound the neighbourhood, while in the default both do. A match is right where one
+point lies within 0.05 of the cloud's radius from the other's mirror image. Where the method gives up, 90 degrees count
+and no match is right. Under `out20 dropped` outliers are dropped before the matching; the choice "front end" settles
+that under every condition.
 """
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,26 +15,28 @@ from time import perf_counter
 import numpy as np
 from tqdm import tqdm
 
-import symjax
+from experiments.baselines.registry import Entry
 from experiments.data import corruptions
-from experiments.data.cases import generated, kinds_of
+from experiments.data.cases import Case, generated, kinds_of
 from experiments.data.corruptions import Trial
 from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
-from experiments.framework.tables import Row
+from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE, deviation
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
-from experiments.studies.symhks.end_to_end import right_matches
 from symjax.detection.result import Detection
-from symjax.errors import SymjaxError, SymjaxWarning
+from symjax.errors import SymjaxError
 
 DROPPED = " dropped"
 """What is added to the name of a condition under which scattered outliers are left out first."""
 
 GAVE_UP = 90.0
 """Degrees that count where there is no plane."""
+
+RIGHT_MATCH = 0.05
+"""Radii of the cloud within which a mirror image meets its partner."""
 
 
 @dataclass(frozen=True)
@@ -103,25 +105,28 @@ def _row(variant: Variant, name: str, trial: Trial) -> Row:
 def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
     """The method, or None where it raises one of its own errors."""
     dropped = name.endswith(DROPPED) if variant.drop_outliers is None else variant.drop_outliers
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SymjaxWarning)
-        try:
-            return symjax.detect(trial.points, variant.method, rng=0, drop_outliers=dropped)
-        except SymjaxError:
-            return None
+    try:
+        return Entry("", variant.method, dropped).detect(trial.points, np.random.default_rng(0))
+    except SymjaxError:
+        return None
+
+
+def right_matches(found: Detection, case: Case) -> float:
+    """Share of the pairs that some right plane mirrors onto each other."""
+    radius = float(np.linalg.norm(case.points - case.points.mean(axis=0), axis=1).max())
+    misses = [np.linalg.norm(plane.reflect(found.pairs.x) - found.pairs.y, axis=1) for plane in case.planes]
+    return float(np.mean(np.min(misses, axis=0) < RIGHT_MATCH * radius))
 
 
 def summary(rows: list[Row]) -> list[Row]:
     """A line a value of a choice: hit rate, median angle and share of right matches by condition."""
-    keys = dict.fromkeys((row["choice"], row["value"]) for row in rows)
-    return [_line([row for row in rows if (row["choice"], row["value"]) == key]) for key in keys]
+    return [_line(group) for group in grouped(rows, "choice", "value").values()]
 
 
 def _line(rows: list[Row]) -> Row:
     first = rows[0]
     line: Row = {"choice": first["choice"], "value": first["value"], "default": "*" if first["default"] else ""}
-    for condition in dict.fromkeys(row["condition"] for row in rows):
-        of = [row for row in rows if row["condition"] == condition]
+    for condition, of in grouped(rows, "condition").items():
         line[f"{condition}: within 5 deg"] = _hit_rate(of)
         line[f"{condition}: median deg"] = float(np.median([row["angle"] for row in of]))
         line[f"{condition}: right matches"] = float(np.mean([row["right_matches"] for row in of]))
@@ -149,11 +154,9 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     for ax in axes.flat[len(numeric) :]:
         ax.set_axis_off()
     for ax, (choice, values) in zip(axes.flat, numeric.items(), strict=False):
-        of_choice = [row for row in rows if row["choice"] == choice]
-        for condition in dict.fromkeys(row["condition"] for row in rows):
-            of = [row for row in of_choice if row["condition"] == condition]
-            rates = [_hit_rate([row for row in of if row["value"] == value]) for value in values]
-            ax.plot(values, rates, marker="o", markersize=3, label=condition)
+        for condition, of in grouped(grouped(rows, "choice")[choice], "condition").items():
+            by_value = grouped(of, "value")
+            ax.plot(values, [_hit_rate(by_value[v]) for v in values], marker="o", markersize=3, label=condition)
         for value in values:
             if CHOICES[choice][value] == DEFAULT:
                 ax.axvline(value, color="gray", linestyle=":", linewidth=1)

@@ -30,33 +30,19 @@ def _changed(**options: Any) -> Variant:
 CHOICES: dict[str, dict[str | float, Variant]] = {
     "eigenfunctions k": {k: _changed(num_eigs=k) for k in (5, 10, 20, 30, 50)},
     "times p": {p: _changed(num_times=p) for p in (4, 8, 16, 32, 64)},
-    "range of times": {
-        "Sun et al.": _changed(times="logarithmic"),
-        "paper": _changed(times="uniform"),
-    },
-    "distance of signatures": {
-        "Mahalanobis": _changed(whitened=True),
-        "Euclidean (paper)": _changed(whitened=False),
-    },
-    "neighbours h": {
-        "both bounds": DEFAULT,
-        **{h: _changed(num_neighbours=h, radius=WIDEST) for h in (25, 50, 100, 200)},
-    },
-    "radius r": {
-        "both bounds": DEFAULT,
-        **{r: _changed(num_neighbours=None, radius=r) for r in (0.025, 0.05, 0.1, 0.15)},
-    },
+    "range of times": {"Sun et al.": _changed(times="logarithmic"), "paper": _changed(times="uniform")},
+    "distance of signatures": {"Mahalanobis": _changed(whitened=True), "Euclidean (paper)": _changed(whitened=False)},
+    "neighbours h": {"both bounds": DEFAULT}
+    | {h: _changed(num_neighbours=h, radius=WIDEST) for h in (25, 50, 100, 200)},
+    "radius r": {"both bounds": DEFAULT}
+    | {r: _changed(num_neighbours=None, radius=r) for r in (0.025, 0.05, 0.1, 0.15)},
     "keypoints": {a: _changed(num_keypoints=a) for a in (100, 200, 300, 500, 800)},
     "pairs per keypoint": {share: _changed(pairs_per_keypoint=share) for share in (0.1, 0.25, 0.4)},
     "signs (0: off)": {s: _changed(num_signs=s) for s in (0, 4, 8, 12, 19)},
     "separation in spacings (0: paper)": {s: _changed(separation=s) for s in (0.0, 1.0, 1.9, 3.0)},
     "Laplacian": {"own stars": _changed(laplacian="stars"), "library's": _changed(laplacian="library")},
     "neighbours of a star": {h: _changed(star_neighbours=h) for h in (10, 20, 30, 50)},
-    "front end": {
-        "by condition": DEFAULT,
-        "off": Variant(drop_outliers=False),
-        "on": Variant(drop_outliers=True),
-    },
+    "front end": {"by condition": DEFAULT, "off": Variant(drop_outliers=False), "on": Variant(drop_outliers=True)},
     "start": {
         "64": DEFAULT,
         "Grassmann average (paper)": _changed(starts="rga"),

@@ -71,6 +71,4 @@ def _moved(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> dict[s
     }
 
 
-STUDY = Study(
-    "sphere", __doc__, SIZES, run, lambda rows: rows, data="points drawn on the unit sphere and on an ellipsoid"
-)
+STUDY = Study("sphere", __doc__, SIZES, run, data="points drawn on the unit sphere and on an ellipsoid")

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.distance import cdist
 
 from experiments.baselines import hruda, nagar_raman, three_d_symm
+from experiments.baselines.frame import framed
 from experiments.baselines.hruda import Hruda
 from experiments.baselines.least_squares import least_squares
 from experiments.baselines.nagar_raman import NagarRaman
-from experiments.baselines.ranking import framed, reflect
 from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.data.cases import kinds_of, made
 from experiments.metrics.deviation import deviation
@@ -44,7 +44,7 @@ def mirrored(num, rng, *, spread=(0.6, 1.5, 1.0)):
     normal = np.array([0.36, 0.48, 0.8])
     half = rng.normal(size=(num, 3)) * spread
     half += np.outer(0.7 - half @ normal + np.abs(half @ normal), normal)
-    return np.vstack([half, reflect(normal, 0.7, half)]), Plane(normal, np.array(0.7))
+    return np.vstack([half, Plane(normal, np.array(0.7)).reflect(half)]), Plane(normal, np.array(0.7))
 
 
 def within_five_degrees(method, kind, num_points):
@@ -122,7 +122,7 @@ def test_hruda_measure_is_the_sum_over_all_pairs(stray, rng):
     planes[:, :3] /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
     expected = []
     for plane in planes:
-        distance = cdist(reflect(plane[:3], plane[3], points), points).ravel()
+        distance = cdist(Plane(plane[:3], plane[3]).reflect(points), points).ravel()
         expected.append(hruda.kernel(distance[:, None] * np.eye(3)[0], 5.0).sum())
     np.testing.assert_allclose(hruda.measure(hruda.cells(points, 5.0), planes), expected, rtol=1e-10, atol=1e-12)
 
@@ -228,7 +228,7 @@ def test_an_unknown_start_is_refused(rng):
 
 def test_assignment_is_one_to_one_and_keeps_the_plane_in_the_mean(rng):
     points = rng.normal(size=(80, 3))
-    partners = nagar_raman.assigned(points)(reflect(np.array([0.0, 0.6, 0.8]), 0.3, points))
+    partners = nagar_raman.assigned(points)(Plane(np.array([0.0, 0.6, 0.8]), np.array(0.3)).reflect(points))
     np.testing.assert_array_equal(np.sort(partners, axis=0), np.sort(points, axis=0))
     normal, offset = least_squares(points, partners)
     assert normal @ points.mean(axis=0) == pytest.approx(offset, abs=1e-12)

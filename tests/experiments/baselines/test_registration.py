@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from experiments.baselines import cicconet, kazhdan
 from experiments.baselines.cicconet import Cicconet, Registration, mirror, register, rigid
 from experiments.baselines.kazhdan import Kazhdan
-from experiments.baselines.ranking import plane_distance, reflect
 from experiments.data.cases import kinds_of, made
 from experiments.metrics.deviation import deviation
+from experiments.metrics.ranking import plane_distance
 from symjax.geometry.plane import Plane
 
 KINDS = kinds_of("single", 10)
@@ -34,7 +34,7 @@ def turned(rng):
 def mirrored(rng, normal, offset, half=400):
     """A lopsided cloud and its mirror image."""
     one = rng.gamma(2.0, size=(half, 3)) * (1.0, 0.6, 0.3)
-    return np.concatenate([one, reflect(normal, offset, one)])
+    return np.concatenate([one, Plane(normal, offset).reflect(one)])
 
 
 def unit(rng):
@@ -112,7 +112,7 @@ class TestKazhdan:
         found = COARSE.rank(quadruped.points + 3, rng)
         np.testing.assert_allclose(found.normals @ (quadruped.points.mean(axis=0) + 3), found.offsets)
         for k in range(1, len(found.normals)):
-            others = plane_distance(found.normals[:k], np.zeros(k), found.normals[k], 0.0)
+            others = plane_distance(Plane(found.normals[:k], np.zeros(k)), Plane(found.normals[k], 0.0))
             assert (np.degrees(2 * np.arcsin(others / 2)) > 9.99).all()
 
     def test_a_plane_that_misses_the_mean_is_missed(self, rng):

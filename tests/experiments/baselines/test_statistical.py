@@ -14,14 +14,15 @@ from experiments.baselines.matches import matches
 from experiments.baselines.maximum_likelihood import MaximumLikelihood
 from experiments.baselines.pca import PCA
 from experiments.baselines.pyclarcs_em import Pyclarcs
-from experiments.baselines.ranking import distinct, plane_distance, reflect
 from experiments.baselines.ransac_matches import RansacOnMatches, agreement, residual
 from experiments.baselines.ransac_points import RansacOnPoints, drawn, stopping, voted, votes
 from experiments.data.cases import kinds_of, made
 from experiments.metrics.deviation import deviation
+from experiments.metrics.ranking import distinct, plane_distance
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import DegenerateCloudError, TooFewPointsError
 from symjax.geometry.directions import deviation_angle
+from symjax.geometry.plane import Plane
 from symjax.preprocess.cloud import prepare
 
 TEN = kinds_of("single", 10)
@@ -55,7 +56,7 @@ def fish():
 def mirrored(rng, normal, offset, half=300):
     """A lopsided cloud and its mirror image."""
     one = rng.gamma(2.0, size=(half, 3)) * (1.0, 0.6, 0.3)
-    return np.concatenate([one, reflect(normal, offset, one)])
+    return np.concatenate([one, Plane(normal, offset).reflect(one)])
 
 
 def unit(rng):
@@ -89,8 +90,7 @@ def test_least_squares_of_matches_is_right_where_enough_of_them_are(monkeypatch)
     monkeypatch.setattr(maximum_likelihood, "matches", lambda points, rng: made_once[id(points)])
     for case in matched:
         frame, x, y = made_once[id(case.points)]
-        normal = case.planes[0].normal
-        off = residual(normal, (case.planes[0].offset - normal @ frame.centre) / frame.length, x, y)
+        off = residual(*frame.to_given.inverse().plane(case.planes[0]), x, y)
         assert np.mean(off < 0.15) > 0.4
     assert_mostly_right(MaximumLikelihood(), matched)
     assert_mostly_right(MaximumLikelihood(as_printed=True), matched)
@@ -120,7 +120,7 @@ def test_principal_planes_go_through_the_mean_across_each_other(fish):
 def test_a_planted_plane_is_found(method, rng):
     normal, offset = unit(rng), 0.7
     found = method.rank(mirrored(rng, normal, offset), rng)
-    assert plane_distance(found.normals[:1], found.offsets[:1], normal, offset)[0] < 1e-6
+    assert plane_distance(Plane(found.normals, found.offsets), Plane(normal, offset))[0] < 1e-6
 
 
 def test_the_matches_are_those_that_our_own_method_fits(fish, monkeypatch):
@@ -137,14 +137,13 @@ def test_the_matches_are_those_that_our_own_method_fits(fish, monkeypatch):
     frame, *ends = matches(fish.points, np.random.default_rng(0))
     for own, end in zip(reached.value.args, ends, strict=True):
         given = cloud.to_given.points(np.asarray(own))
-        np.testing.assert_allclose(frame.length * end + frame.centre, given, atol=1e-12)
+        np.testing.assert_allclose(frame.to_given.points(end), given, atol=1e-12)
 
 
 def test_the_score_of_least_squares_is_the_residual_of_its_matches(fish):
     found = MaximumLikelihood().rank(fish.points, np.random.default_rng(0))
     frame, x, y = matches(fish.points, np.random.default_rng(0))
-    x, y = frame.length * x + frame.centre, frame.length * y + frame.centre
-    off = residual(found.normals[0], found.offsets[0], x, y) / frame.length
+    off = residual(*frame.to_given.inverse().plane(found.plane()), x, y)
     np.testing.assert_allclose(found.scores, [-np.sqrt(np.mean(off**2))])
 
 
@@ -190,7 +189,7 @@ def test_a_drawn_plane_mirrors_its_two_points_on_each_other(rng):
     normals, offsets = drawn(points, 20, rng)
     assert 0 < len(normals) < 20  # where a point is drawn with itself there is no plane
     for normal, offset in zip(normals, offsets, strict=True):
-        np.testing.assert_allclose(reflect(normal, offset, points), points[::-1], atol=1e-12)
+        np.testing.assert_allclose(Plane(normal, offset).reflect(points), points[::-1], atol=1e-12)
 
 
 def test_votes_are_the_share_that_meets_the_cloud(rng):

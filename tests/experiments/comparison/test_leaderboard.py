@@ -13,7 +13,7 @@ from experiments.comparison.curves import precision_recall
 from experiments.comparison.leaderboard import best_f, leaderboard, measures_of, pivot, prediction, tallies
 from experiments.comparison.tracks import TRACKS
 from experiments.data.cases import made
-from experiments.metrics import ranked
+from experiments.metrics import score_curve
 from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
 from tests.experiments.comparison.rows import row, silent
@@ -32,7 +32,9 @@ def test_a_row_scores_as_the_case_that_it_is_of(boat):
         centre=boat.points.mean(axis=0).tolist(),
         diagonal=boat.diagonal,
     )
-    for ours, theirs in zip(ranked.curve([prediction(told)]), ranked.curve([Prediction(ranking, boat)]), strict=True):
+    for ours, theirs in zip(
+        score_curve.curve([prediction(told)]), score_curve.curve([Prediction(ranking, boat)]), strict=True
+    ):
         np.testing.assert_array_equal(ours, theirs)
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from experiments.data import folder
-from experiments.data.shape import cases
 from tests.experiments.data.files import OFF, write
 
 
@@ -16,7 +15,7 @@ def test_planes_go_with_their_shape_into_a_pose(tmp_path):
     listing = {"a": {"file": "a.off", "normal": [1, -1, 0], "offset": 0, "kind": "exact"}}
     write(tmp_path / "planes.json", json.dumps(listing))
     (shape,) = folder.load(tmp_path)
-    one, two = cases([shape], 200, 2)
+    one, two = (shape.case(200, seed) for seed in (0, 1))
     assert (one.name, one.seed, two.seed) == ("a", 0, 1)
     assert not np.allclose(one.points, two.points)
     for seed, case in enumerate((one, two)):

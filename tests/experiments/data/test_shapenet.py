@@ -40,11 +40,10 @@ def test_shapenet(tmp_path):
 def test_shapenet_says_which_models_are_missing(tmp_path):
     a_shapenet(tmp_path, cell_array([[[1.0, 0, 0, 0]], [[1.0, 0, 0, 0]]]))
     with pytest.raises(DataAbsentError, match="2 of 2 models"):
-        shapenet.load(tmp_path, allow_missing=True)
+        shapenet.load(tmp_path)
     write(tmp_path / "objs" / "b2.obj", OBJ)
     with pytest.raises(DataAbsentError, match=r"1 of 2 models .* the first a1"):
         shapenet.load(tmp_path)
-    assert [shape.name for shape in shapenet.load(tmp_path, allow_missing=True)] == ["b2"]
 
 
 def test_shapenet_refuses_what_does_not_fit(tmp_path):

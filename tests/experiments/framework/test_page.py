@@ -28,11 +28,11 @@ def test_the_page_depends_on_the_files_alone_and_keeps_the_order(tmp_path):
 
 
 def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
-    for name in ("sphere", "gradient", "end_to_end"):
+    for name in ("sphere", "gradient", "robustness"):
         left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
-    text = page(tmp_path, tmp_path, {"gradient": "failed with status 1", "end_to_end": "data absent"})
+    text = page(tmp_path, tmp_path, {"gradient": "failed with status 1", "robustness": "data absent"})
     assert "## sphere" in text
-    for name, why in (("gradient", "failed with status 1"), ("end_to_end", "data absent"), ("planted", "not run")):
+    for name, why in (("gradient", "failed with status 1"), ("robustness", "data absent"), ("planted", "not run")):
         assert f"## {name}" not in text
         assert f"`{name}` ({why})" in text
 
@@ -42,13 +42,13 @@ def test_models_are_counted_and_absent_ones_said_loudly(tmp_path):
         {"group": "generated", "model": model, "seed": seed} for model, seed in (("chair", 0), ("chair", 1), ("car", 0))
     ]
     counted = count_models(rows)
-    left(tmp_path, "end_to_end", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=counted)
-    text = section(page(tmp_path, tmp_path, {}), "end_to_end")
+    left(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=counted)
+    text = section(page(tmp_path, tmp_path, {}), "robustness")
     assert "Models: 2 generated. THE REAL MODELS WERE ABSENT." in text
     assert "seeds 2" in text
     counted = count_models([*rows, {"group": "exact", "model": "spot", "seed": 0}])
-    left(tmp_path, "end_to_end", lines=[{"value": 1}], config={"data": "folder"}, models=counted)
-    text = section(page(tmp_path, tmp_path, {}), "end_to_end")
+    left(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder"}, models=counted)
+    text = section(page(tmp_path, tmp_path, {}), "robustness")
     assert "Models: 1 exact; 2 generated." in text
     assert "ABSENT" not in text
 

@@ -46,7 +46,7 @@ def test_every_study_says_what_it_shows_and_on_what_data_and_has_both_sizes():
 
 
 def test_no_study_is_a_command_of_its_own():
-    workers = {"framework/memory.py", "execution/serving.py", "studies/speed/devices.py", "run.py"}
+    workers = {"studies/speed/memory.py", "execution/serving.py", "studies/speed/devices.py", "run.py"}
     folder = PROJECT / "experiments"
     commands = {path.relative_to(folder).as_posix() for path in folder.rglob("*.py") if "__main__" in path.read_text()}
     assert commands == workers
@@ -127,7 +127,7 @@ def test_several_studies_run_one_process_after_the_other(tmp_path, capsys):
 
 
 def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypatch):
-    outcomes = {"gradient": "failed with status 2", "end_to_end": "data absent"}
+    outcomes = {"gradient": "failed with status 2", "robustness": "data absent"}
     asked = []
 
     def ended(name, arguments, environment):
@@ -138,11 +138,11 @@ def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypa
     monkeypatch.setattr(run_all, "_run", ended)
     assert run.main(["all", "--size", "small", "--out", str(tmp_path)]) == 1
     assert asked == [(name, "--size", "small", "--out", str(tmp_path)) for name in STUDIES]
-    assert capsys.readouterr().out.splitlines()[-2:] == ["end_to_end: data absent", "gradient: failed with status 2"]
+    assert capsys.readouterr().out.splitlines()[-2:] == ["robustness: data absent", "gradient: failed with status 2"]
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "| 1 |" in section(text, "sphere")
     assert "## gradient" not in text
-    assert "`end_to_end` (data absent), `gradient` (failed with status 2)" in text
+    assert "`robustness` (data absent), `gradient` (failed with status 2)" in text
 
 
 def test_absent_data_is_no_failure(monkeypatch):

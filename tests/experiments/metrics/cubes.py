@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from experiments.baselines.ranking import Ranking
 from experiments.data.cases import Case
 from experiments.metrics.prediction import Prediction
+from experiments.metrics.ranking import Ranking
 from symjax.geometry.plane import Plane
 from symjax.io.mesh import Mesh
 

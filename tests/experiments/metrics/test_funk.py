@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.metrics import funk, patch, ranked
+from experiments.metrics import funk, patch, score_curve
 from experiments.metrics.matching import Tally
 from tests.experiments.metrics.cubes import prediction, tilted
 
@@ -50,9 +50,9 @@ def test_the_curve_of_funk_rises_from_nothing_to_all():
 
 def test_the_curve_over_scores_counts_ties_together():
     good, bad = prediction([tilted(0.0)]), prediction([tilted(30.0)])
-    curve = ranked.curve([good, bad, prediction([])])
+    curve = score_curve.curve([good, bad, prediction([])])
     assert (curve.scores.tolist(), curve.precision.tolist()) == ([1.0], [0.5])
     assert curve.recall == pytest.approx([1 / 3])
     sure = good._replace(ranking=good.ranking._replace(scores=np.array([2.0])))
-    assert ranked.curve([bad, sure]).precision.tolist() == [1.0, 0.5]
-    assert ranked.curve([prediction([])]).scores.size == 0
+    assert score_curve.curve([bad, sure]).precision.tolist() == [1.0, 0.5]
+    assert score_curve.curve([prediction([])]).scores.size == 0

@@ -5,7 +5,6 @@ import pytest
 
 from experiments.metrics import hits, shrec
 from experiments.metrics.deviation import Deviation
-from experiments.metrics.sde import mean_sde
 from symjax.errors import InvalidArgumentError
 
 
@@ -34,5 +33,3 @@ def test_rates_of_nothing_are_refused():
         hits.area([])
     with pytest.raises(InvalidArgumentError, match="at least one"):
         shrec.scores([])
-    with pytest.raises(InvalidArgumentError, match="no SDE above 0"):
-        mean_sde([0.0])

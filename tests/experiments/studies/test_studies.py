@@ -33,7 +33,6 @@ TINY = {
     "partial_scans": ONE_OBJECT,
     "planted": ["--trials", "1", "--exact-trials", "1", "--num-pairs", "200"],
     "precision_recall": ONE_OBJECT,
-    "end_to_end": ["--kinds", "1", "--data", "absent"],
     "robustness": [
         *("--methods", "robust,sym-hks-cleaned", "--kinds", "1"),
         *("--conditions", "out100", "--data", "absent"),
@@ -53,7 +52,6 @@ TINY = {
         *("--angles", "0,60", "--kinds", "1", "--num-points", "800"),
         *("--conditions", "clean", "--outliers", "0.65"),
     ],
-    "timing": ["--repeats", "1"],
 }
 SLOW = ("gradient", "planted", "self_scale", "speed_fit", "speed_objective", "speed_sweep", "success")
 """Their fits compile for half a minute each."""

@@ -14,7 +14,6 @@ from experiments.metrics import matching
 from experiments.metrics.prediction import Prediction
 from symjax.geometry.directions import deviation_angle
 from symjax.geometry.distance import offset_error
-from symjax.geometry.plane import Plane
 
 WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.01
 """Largest angle (degrees) and distance (diagonals) of a right answer."""
@@ -42,7 +41,7 @@ def curve(predictions: Sequence[Prediction]) -> Curve:
 
 def _right(prediction: Prediction) -> Bool[np.ndarray, "k"]:
     """Which answers are matched to a truth, one to one, best first, the nearest in angle."""
-    answers, case = Plane(*prediction.answers), prediction.case
+    answers, case = prediction.answers, prediction.case
     cost = np.full((len(answers.offset), len(case.planes)), np.inf)
     for t, truth in enumerate(case.planes):
         angle = np.asarray(deviation_angle(answers.normal, truth.normal))

@@ -45,7 +45,7 @@ def peak_memory(points: Float[np.ndarray, "n 3"], method: str) -> Peak:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cloud.npy"
         np.save(path, points)
-        command = [sys.executable, "-m", "experiments.framework.memory", str(path), method]
+        command = [sys.executable, "-m", "experiments.studies.speed.memory", str(path), method]
         launch = [sys.executable, "-c", LAUNCH, *command]
         done = subprocess.run(launch, cwd=PROJECT, capture_output=True, text=True, check=False)
     if done.returncode:
