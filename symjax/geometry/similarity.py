@@ -63,6 +63,13 @@ class Similarity(NamedTuple):
         along = along + normal[..., 1] * self.shift[..., 1] + normal[..., 2] * self.shift[..., 2]
         return Plane(normal, self.scale * plane.offset + along)
 
+    def axis(
+        self, axis: tuple[Float[AnyArray, "3"], Float[AnyArray, "3"]]
+    ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+        """Image of an axis, given by a point and a direction."""
+        point, direction = axis
+        return np.asarray(self.points(point)), np.asarray(self.directions(direction))
+
     def uncertainty(self, uncertainty: Uncertainty) -> Uncertainty:
         """Covariance of the image of an estimated plane.
 

@@ -150,11 +150,10 @@ def _paired(
     z: Float[np.ndarray, "4"], surface: Surface, quadrics: Quadrics
 ) -> tuple[Residuals, Float[np.ndarray, "n"]]:
     """Every point with its partner's quadric, and its weight: 0 if the partner is far or faces another way."""
-    v, omega = z[:3], z[3]
-    height = surface.points @ v - omega
-    image = surface.points - 2 * height[:, None] * v
-    distance, partner = surface.tree.query(image, workers=-1)
-    facing = surface.normals - 2 * (surface.normals @ v)[:, None] * v
+    plane = Plane(z[:3], z[3])
+    height = np.asarray(plane.signed_distance(surface.points))
+    distance, partner = surface.tree.query(np.asarray(plane.reflect(surface.points)), workers=-1)
+    facing = np.asarray(plane.reflect_directions(surface.normals))
     cosine = np.abs((facing * surface.normals[partner]).sum(axis=1))
     weight = cosine**2
     weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)

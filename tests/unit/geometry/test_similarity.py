@@ -47,6 +47,14 @@ def test_distances_are_scaled_and_directions_keep_their_length(similarity, rng):
     np.testing.assert_allclose(np.linalg.norm(step), np.linalg.norm(points[1] - points[0]), rtol=1e-12)
 
 
+def test_an_axis_moves_with_its_points(similarity, rng):
+    point, direction = rng.normal(size=(2, 3))
+    moved_point, moved_direction = similarity.axis((point, direction))
+    np.testing.assert_allclose(moved_point, similarity.points(point), atol=1e-12)
+    further = similarity.points(point + direction)
+    np.testing.assert_allclose(similarity.scale * moved_direction, further - moved_point, atol=1e-12)
+
+
 def test_the_inverse_leads_back(similarity, rng):
     points = rng.normal(size=(20, 3))
     np.testing.assert_allclose(similarity.inverse().points(similarity.points(points)), points, atol=1e-12)
