@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from symjax.datasets import add_noise, add_outliers, generate, pose, remove_part, scan
 from symjax.datasets.sample import random_orthogonal
+from symjax.geometry.directions import fibonacci
 from symjax.preprocess.cloud import DENSITY_POINTS, prepare
 from symjax.preprocess.outliers import otsu_threshold, scattered
 
@@ -151,6 +152,13 @@ def test_flat_clouds_grids_lines_and_doubled_points_lose_nothing(rng):
 
 
 def test_what_is_left_out_is_said(rng):
-    ball = rng.normal(size=(DENSITY_POINTS + 2_000, 3))
-    cloud = prepare(ball / np.linalg.norm(ball, axis=1, keepdims=True), max_points=40_000, drop_outliers=True)
-    assert len(cloud.points) == len(ball) or cloud.notes
+    far = 30 * np.concatenate([np.eye(3), -np.eye(3)])
+    ball = rng.permutation(np.concatenate([fibonacci(DENSITY_POINTS - 6, half=False), far]))
+    cloud = prepare(ball, max_points=40_000, drop_outliers=True)
+    assert len(cloud.points) == DENSITY_POINTS - 6
+    assert cloud.notes == (f"6 of {DENSITY_POINTS} points are scattered outliers and were left out",)
+    drawn = prepare(np.concatenate([ball, 1.01 * ball]), drop_outliers=True)
+    assert (
+        drawn.notes[0]
+        == f"outliers were looked for among {DENSITY_POINTS} of {2 * DENSITY_POINTS} points, drawn evenly"
+    )
