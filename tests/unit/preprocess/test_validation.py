@@ -64,5 +64,5 @@ def test_normals_are_those_of_the_rows_and_bad_ones_elsewhere_do_not_matter(rng)
     normals = rng.normal(size=(6, 3))
     normals[2], normals[4] = 0.0, np.nan
     np.testing.assert_array_equal(as_normals(normals, (6, 3), np.array([5, 0])), normals[[5, 0]])
-    with pytest.raises(InvalidPointsError, match="2 normals .* the first at index 2"):
+    with pytest.raises(InvalidPointsError, match=r"2 normals .* the first at index 2"):
         as_normals(normals, (6, 3), np.arange(6))
