@@ -88,15 +88,3 @@ class Similarity(NamedTuple):
         turned_back = None if self.rotation is None else xp.swapaxes(self.rotation, -1, -2)
         back = Similarity(1 / self.scale, turned_back, self.shift)
         return back._replace(shift=xp.stack([-back.scale * part for part in back._turned(self.shift)], axis=-1))
-
-    def after(self, first: "Similarity") -> "Similarity":
-        """The composition x ↦ self(first(x))."""
-        rotation = first.rotation
-        if rotation is not None and self.rotation is not None:
-            xp: Any = self.shift.__array_namespace__()
-            # the columns of the product are the images of the columns
-            columns = [self.directions(rotation[..., :, i]) for i in range(3)]
-            rotation = xp.stack(columns, axis=-1)
-        elif rotation is None:
-            rotation = self.rotation
-        return Similarity(self.scale * first.scale, rotation, self.points(first.shift))

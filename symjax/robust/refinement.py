@@ -16,6 +16,7 @@ from symjax.geometry.plane import Plane
 from symjax.geometry.similarity import Similarity
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.manifolds import SPHERE_LINE
+from symjax.l2e.pairs.padded import padded_size
 from symjax.l2e.solvers.base import Minimum
 from symjax.l2e.solvers.rbfgs import minimize
 from symjax.l2e.status import Status
@@ -167,7 +168,7 @@ def _padded(
     coefficients: Float[np.ndarray, "n 6"],
     weight: Float[np.ndarray, "n"],
 ) -> Residuals:
-    extra = max(LEAST_SIZE, 1 << (len(x) - 1).bit_length()) - len(x)
+    extra = padded_size(len(x), LEAST_SIZE) - len(x)
 
     def padded(column: Float[np.ndarray, "n ..."]) -> Float[Array, "m ..."]:
         return jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1))))

@@ -158,7 +158,4 @@ def test_what_is_left_out_is_said(rng):
     assert len(cloud.points) == DENSITY_POINTS - 6
     assert cloud.notes == (f"6 of {DENSITY_POINTS} points are scattered outliers and were left out",)
     drawn = prepare(np.concatenate([ball, 1.01 * ball]), drop_outliers=True)
-    assert (
-        drawn.notes[0]
-        == f"outliers were looked for among {DENSITY_POINTS} of {2 * DENSITY_POINTS} points, drawn evenly"
-    )
+    assert f"among {DENSITY_POINTS} of {2 * DENSITY_POINTS} points, drawn evenly" in drawn.notes[0]
