@@ -1,6 +1,5 @@
 """`symjax detect`."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
@@ -10,7 +9,7 @@ import click
 
 from symjax.cli import options
 from symjax.cli.errors import one_line_errors
-from symjax.cli.outputs import check_outputs
+from symjax.cli.outputs import Reading, check_outputs, echo_answer
 from symjax.cli.progress import progress
 from symjax.cli.start import start_jax
 from symjax.detection import summary
@@ -86,7 +85,7 @@ def command(
         from symjax.io.points import read_points
 
         points, note = read_points(file, num_samples=samples, rng=seed)
-        reading = perf_counter() - start
+        reading = Reading(file, note, perf_counter() - start)
         announce("starting JAX")
         start_jax(cache=cache)
         from symjax.detection.detect import MAX_PLANES, detect
@@ -102,16 +101,7 @@ def command(
             progress=announce,
         )
         _write(detection, outputs, announce)
-    if as_json:
-        head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
-        click.echo(json.dumps({**head, **detection.to_dict()}))
-        return
-    click.echo(f"{'file':<10}{file}   ({note}; read in {reading:.2f} s)")
-    for line in summary.lines(detection):
-        click.echo(line)
-    for path in outputs.values():
-        if path is not None:
-            click.echo(f"{'written':<10}{path}")
+    echo_answer(reading, detection.to_dict() if as_json else None, summary.lines(detection), outputs)
 
 
 def _check_options(method: str, given: dict[str, Any]) -> None:

@@ -1,7 +1,11 @@
-"""The files that a command is to write, looked at before the work."""
+"""What a command writes: its files, checked before the work, and its answer on the terminal."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
 
 from symjax.errors import InvalidArgumentError
 
@@ -39,3 +43,34 @@ def check_outputs(
         if why:
             raise InvalidArgumentError(f"cannot write {str(path)!r} (--{option}): {why}")
         seen.add(path.resolve())
+
+
+class Reading(NamedTuple):
+    """How a file was read, and how long it took."""
+
+    file: Path
+    note: str
+    seconds: float
+
+
+def echo_answer(
+    reading: Reading, values: Mapping[str, Any] | None, lines: Iterable[str], outputs: Mapping[str, Path | None]
+) -> None:
+    """Prints the answer on stdout.
+
+    Args:
+        reading: of the file that the answer is about.
+        values: the answer as JSON; None prints the lines and the files that were written instead.
+        lines: the answer for a person.
+        outputs: the files, None where an option was not given.
+    """
+    if values is not None:
+        head = {"file": str(reading.file), "reading": {"note": reading.note, "seconds": reading.seconds}}
+        click.echo(json.dumps({**head, **values}, allow_nan=False))
+        return
+    click.echo(f"{'file':<10}{reading.file}   ({reading.note}; read in {reading.seconds:.2f} s)")
+    for line in lines:
+        click.echo(line)
+    for path in outputs.values():
+        if path is not None:
+            click.echo(f"{'written':<10}{path}")

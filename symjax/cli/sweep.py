@@ -1,6 +1,5 @@
 """`symjax sweep`."""
 
-import json
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -9,7 +8,7 @@ import click
 
 from symjax.cli import options
 from symjax.cli.errors import one_line_errors
-from symjax.cli.outputs import check_outputs
+from symjax.cli.outputs import Reading, check_outputs, echo_answer
 from symjax.cli.progress import progress
 from symjax.cli.sigmas import Sigmas
 from symjax.cli.start import start_jax
@@ -75,7 +74,7 @@ def command(
         stage("reading")
         start = perf_counter()
         read, note = _read(file, is_pairs, samples=samples, seed=chosen["seed"])
-        reading = perf_counter() - start
+        reading = Reading(file, note, perf_counter() - start)
         stage("starting JAX")
         start_jax(cache=cache, all_cores=True)
         from symjax.l2e.xarray_export import require_xarray
@@ -96,16 +95,7 @@ def command(
 
             stage(f"writing {html}")
             write_html(found, html)
-    if as_json:
-        head = {"file": str(file), "reading": {"note": note, "seconds": reading}}
-        click.echo(json.dumps({**head, **summary.as_dict(found)}, allow_nan=False))
-        return
-    click.echo(f"{'file':<10}{file}   ({note}; read in {reading:.2f} s)")
-    for line in summary.lines(found):
-        click.echo(line)
-    for path in outputs.values():
-        if path is not None:
-            click.echo(f"{'written':<10}{path}")
+    echo_answer(reading, summary.as_dict(found) if as_json else None, summary.lines(found), outputs)
 
 
 def _read(file: Path, is_pairs: bool, *, samples: int, seed: int) -> tuple[tuple["Float[np.ndarray, 'n 3']", ...], str]:

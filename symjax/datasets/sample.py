@@ -7,6 +7,8 @@ from jaxtyping import Float
 
 from symjax.datasets.solids.solid import Axis
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
 
 Symmetry = Literal["single", "multiple", "continuous", "none"]
 
@@ -62,16 +64,11 @@ def pose(
     rng = np.random.default_rng(rng)
     turn = random_orthogonal(rng, reflect=reflect)
     move = rng.normal(size=3) * shift * sample.diagonal * scale
-    normals = sample.normals @ turn.T
-    axis = sample.axis
-    if axis is not None:
-        axis = (scale * turn @ axis[0] + move, turn @ axis[1])
-    return sample._replace(
-        points=scale * sample.points @ turn.T + move,
-        normals=normals,
-        offsets=scale * sample.offsets + normals @ move,
-        axis=axis,
-    )
+    posed = Similarity(scale, turn, move)
+    points = np.asarray(posed.points(sample.points))
+    normals, offsets = map(np.asarray, posed.plane(Plane(sample.normals, sample.offsets)))
+    axis = None if sample.axis is None else posed.axis(sample.axis)
+    return sample._replace(points=points, normals=normals, offsets=offsets, axis=axis)
 
 
 def random_orthogonal(rng: np.random.Generator, *, reflect: bool | None = None) -> Float[np.ndarray, "3 3"]:

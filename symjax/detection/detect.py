@@ -142,7 +142,7 @@ def _in_given_units(
         found=found.symmetry != "none",
         ambiguous=found.ambiguous,
         symmetry=found.symmetry,
-        axis=None if axis is None else (np.asarray(to_given.points(axis[0])), np.asarray(to_given.directions(axis[1]))),
+        axis=None if axis is None else to_given.axis(axis),
         planes=tuple(to_given.plane(plane).canonical() for plane in found.planes[:max_planes]),
         score=best.score,
         threshold=found.threshold,

@@ -5,9 +5,9 @@ from jaxtyping import Float, Int
 
 
 def local_frames(
-    points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "n h"]
-) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3 3"]]:
-    """Scatter of each point's neighbours about their own mean: eigenvalues ascending, eigenvectors in columns.
+    points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "m h"]
+) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m 3 3"]]:
+    """Scatter of neighbours, rows of the points, about their own mean: eigenvalues ascending, eigenvectors in columns.
 
     Column 0 is the normal, unoriented; columns 1 and 2 span the tangent plane.
     """
@@ -17,11 +17,11 @@ def local_frames(
     return np.linalg.eigh(scatter)
 
 
-def tangent_frames(normals: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3 2"]:
+def tangent_frames(normals: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3 2"]:
     """Two orthonormal tangents, in columns, for every normal of any length."""
-    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    unit = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
     # the axis that the normal is farthest from
-    axis = np.eye(3)[np.argmin(np.abs(unit), axis=1)]
+    axis = np.eye(3)[np.argmin(np.abs(unit), axis=-1)]
     first = np.cross(unit, axis)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(unit, first)], axis=2)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(unit, first)], axis=-1)

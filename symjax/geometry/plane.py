@@ -38,6 +38,10 @@ class Plane(NamedTuple):
         step = 2 * self.signed_distance(points)[..., None] * self.normal[..., None, :]
         return points.reshape((1,) * (self.normal.ndim - 1) + points.shape) - step
 
+    def reflect_directions(self, directions: Float[AnyArray, "n 3"]) -> Float[AnyArray, "*batch n 3"]:
+        """Mirror images of directions: d − 2(v·d)v."""
+        return self._replace(offset=0 * self.offset).reflect(directions)
+
     def angle(self, other: "Plane") -> Float[AnyArray, "*batch"]:
         """Angle to another plane in degrees, 0 to 90."""
         return deviation_angle(self.normal, other.normal)

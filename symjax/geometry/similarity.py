@@ -63,6 +63,13 @@ class Similarity(NamedTuple):
         along = along + normal[..., 1] * self.shift[..., 1] + normal[..., 2] * self.shift[..., 2]
         return Plane(normal, self.scale * plane.offset + along)
 
+    def axis(
+        self, axis: tuple[Float[AnyArray, "3"], Float[AnyArray, "3"]]
+    ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+        """Image of an axis, given by a point and a direction."""
+        point, direction = axis
+        return np.asarray(self.points(point)), np.asarray(self.directions(direction))
+
     def uncertainty(self, uncertainty: Uncertainty) -> Uncertainty:
         """Covariance of the image of an estimated plane.
 
@@ -81,15 +88,3 @@ class Similarity(NamedTuple):
         turned_back = None if self.rotation is None else xp.swapaxes(self.rotation, -1, -2)
         back = Similarity(1 / self.scale, turned_back, self.shift)
         return back._replace(shift=xp.stack([-back.scale * part for part in back._turned(self.shift)], axis=-1))
-
-    def after(self, first: "Similarity") -> "Similarity":
-        """The composition x ↦ self(first(x))."""
-        rotation = first.rotation
-        if rotation is not None and self.rotation is not None:
-            xp: Any = self.shift.__array_namespace__()
-            # the columns of the product are the images of the columns
-            columns = [self.directions(rotation[..., :, i]) for i in range(3)]
-            rotation = xp.stack(columns, axis=-1)
-        elif rotation is None:
-            rotation = self.rotation
-        return Similarity(self.scale * first.scale, rotation, self.points(first.shift))

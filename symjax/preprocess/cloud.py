@@ -12,6 +12,7 @@ from symjax.geometry import checks
 from symjax.geometry.similarity import Similarity
 from symjax.preprocess.ground import ground_rows
 from symjax.preprocess.outliers import scattered
+from symjax.preprocess.own_frame import OwnFrame, in_own_frame
 from symjax.preprocess.thinning import distinct, evenly, on_grid
 from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, finite_rows, require
 
@@ -21,9 +22,6 @@ MAX_POINTS = 10_000
 DENSITY_POINTS = 30_000
 """Points among which outliers are looked for, if no more are to be kept: they are drawn evenly from a larger cloud,
 since a grid would make all densities alike."""
-
-FLAT = 1e-6
-"""Ratio of singular values below which a cloud counts as collinear or coplanar."""
 
 FAR_FOR_FLOAT32 = 1e5
 
@@ -95,7 +93,7 @@ def prepare(
     notes: list[str] = []
     index = finite_rows(given, nonfinite, notes)
     require(len(index), "points")
-    own = _in_own_frame(given[index])
+    own = _own_frame_of_cloud(given[index])
     _warn_of_precision(points, own)
     rows = np.argsort(own.points[:, 0], kind="stable")
     cleaned = False
@@ -111,9 +109,9 @@ def prepare(
         index = index[kept]
         require(len(index), "points that are neither outliers nor ground")
         # once more: the frame and the scale of the surface alone
-        own = _in_own_frame(given[index])
+        own = _own_frame_of_cloud(given[index])
         rows = np.argsort(own.points[:, 0], kind="stable")
-    if own.flat:
+    if own.rank == 2:
         notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
     if len(rows) > max_points:
         rows = rows[on_grid(own.points[rows], max_points)]
@@ -137,9 +135,8 @@ def _kept(
         # so few that a plane could not be looked for are no surface that outliers hide
         outlier &= np.count_nonzero(~outlier) >= MIN_POINTS
         rows = _without(rows, outlier, "are scattered outliers and were left out", notes)
-    ground = ground_rows(points[rows]) if remove_ground else None
-    if ground is not None:
-        rows = _without(rows, ground.rows, "lie on the ground plane and were left out", notes)
+    if remove_ground:
+        rows = _without(rows, ground_rows(points[rows]), "lie on the ground plane and were left out", notes)
     return rows
 
 
@@ -151,32 +148,14 @@ def _without(
     return rows[~dropped]
 
 
-class _OwnFrame(NamedTuple):
-    """Points in their principal frame about their mean, in units of their diagonal; and the way back."""
-
-    points: Float[np.ndarray, "n 3"]
-    to_given: Similarity
-    extent: float
-    flat: bool
+def _own_frame_of_cloud(points: Float[np.ndarray, "n 3"]) -> OwnFrame:
+    own = in_own_frame(points)
+    if own.rank < 2:
+        raise DegenerateCloudError(f"the {len(points)} points lie on one line: no mirror plane is defined")
+    return own
 
 
-def _in_own_frame(values: Float[np.ndarray, "n 3"]) -> _OwnFrame:
-    centre, extent = _middle(values)
-    if extent == 0:
-        raise DegenerateCloudError(f"all {len(values)} points coincide: no mirror plane is defined")
-    unit = (values - centre) / extent
-    singular, frame = _principal_frame(unit)
-    if singular[1] < FLAT * singular[0]:
-        raise DegenerateCloudError(f"the {len(values)} points lie on one line: no mirror plane is defined")
-    own = unit @ frame
-    sign = np.where((own**3).sum(axis=0) < 0, -1.0, 1.0)
-    frame, own = frame * sign, own * sign
-    diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
-    flat = bool(singular[2] < FLAT * singular[0])
-    return _OwnFrame(own / diagonal, Similarity(diagonal * extent, frame, centre), extent, flat)
-
-
-def _warn_of_precision(points: ArrayLike, own: _OwnFrame) -> None:
+def _warn_of_precision(points: ArrayLike, own: OwnFrame) -> None:
     offset = float(np.abs(own.to_given.shift).max())
     if np.asarray(points).dtype == np.float32 and offset / own.extent > FAR_FOR_FLOAT32:
         warnings.warn(
@@ -185,23 +164,3 @@ def _warn_of_precision(points: ArrayLike, own: _OwnFrame) -> None:
             PrecisionWarning,
             stacklevel=4,
         )
-
-
-def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
-    """Mean and largest coordinate distance from it, for coordinates whose squares or sums may overflow."""
-    largest = float(np.abs(points).max())
-    if largest == 0:
-        return np.zeros(3), 0.0
-    # a power of two, so that scaling rounds nothing; halved, so that differences stay finite
-    scale = 2.0 ** min(np.frexp(largest)[1] + 1, 1023)
-    small = points / scale
-    centre = small.mean(axis=0)
-    return centre * scale, float(np.abs(small - centre).max()) * scale
-
-
-def _principal_frame(
-    points: Float[np.ndarray, "n 3"],
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
-    """Singular values, descending, and the principal axes in columns."""
-    _, singular, axes = np.linalg.svd(np.linalg.qr(points, mode="r"))
-    return singular, axes.T

@@ -10,6 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
+from symjax.geometry.local_frames import local_frames
+
 MIN_POINTS = 50
 """Fewest points of a cloud with a ground plane, and of what the sample leaves above it: fewer show no object."""
 
@@ -26,7 +28,7 @@ NUM_SHEETS = 3
 """Largest sheets judged: a table top may be larger than what is seen of the ground plane around its legs."""
 
 MIN_SHARE = 0.1
-"""Least share of the cloud in a ground plane; the flattest tenth of the cloud thus tells how thick a sheet may be."""
+"""Least share of the cloud in a ground plane, so the flattest tenth of the cloud bounds the thickness of a sheet."""
 
 ALIKE = 0.9
 """Cosine of the angle (26 degrees) within which a noisy local normal agrees with a plane's."""
@@ -45,14 +47,6 @@ MARGIN = 0.05
 
 MIN_DIRECTIONS = 0.6
 """Share of the directions in which a ground plane reaches further: one seen on one side only does so in most."""
-
-
-class Ground(NamedTuple):
-    """The points on the ground plane `normal . x = offset`, in the given units; the normal points to the object."""
-
-    rows: Bool[np.ndarray, "n"]
-    normal: Float[np.ndarray, "3"]
-    offset: float
 
 
 class _Sample(NamedTuple):
@@ -76,8 +70,8 @@ class _Sheet(NamedTuple):
     rows: Bool[np.ndarray, "m"]
 
 
-def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Ground | None:
-    """The ground plane that the cloud stands on; None where there is none.
+def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Bool[np.ndarray, "n"]:
+    """Which points lie on the ground plane that the cloud stands on; none where there is no ground plane.
 
     Parts of the object that lie flat within the ground plane's thickness, as a sole does, are taken for the ground.
 
@@ -85,11 +79,11 @@ def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Ground | 
         points: a cloud in any units and pose, perhaps with noise and outliers.
         seed: of the sample and of the planes tried.
     """
+    none = np.zeros(len(points), bool)
     if len(points) < MIN_POINTS or not np.ptp(points, axis=0).any():
-        return None
+        return none
     centre = points.mean(axis=0)
-    scale = float(np.abs(points - centre).max())
-    unit = (points - centre) / scale
+    unit = (points - centre) / np.abs(points - centre).max()
     rng = np.random.default_rng(seed)
     sample = _draw(unit, rng)
     free = np.ones(len(sample.points), bool)
@@ -97,11 +91,10 @@ def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Ground | 
         sheet = _largest_sheet(sample, free, rng)
         if sheet is None:
             break
-        if up := _side_of_object(sample, sheet):
-            normal = up * sheet.normal
-            return Ground(_all_rows(unit, sample, sheet), normal, float(up * scale * sheet.offset + normal @ centre))
+        if _is_ground(sample, sheet):
+            return _all_rows(unit, sample, sheet)
         free &= ~sheet.rows
-    return None
+    return none
 
 
 def _draw(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> _Sample:
@@ -109,8 +102,7 @@ def _draw(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> _Sample
     x = points[rng.permutation(len(points))[:SAMPLE]]
     tree = cKDTree(x)
     distance, neighbours = tree.query(x, k=NUM_NEIGHBOURS + 1)
-    patch = x[neighbours] - x[neighbours].mean(axis=1, keepdims=True)
-    variance, axes = np.linalg.eigh(patch.transpose(0, 2, 1) @ patch / (NUM_NEIGHBOURS + 1))
+    variance, axes = local_frames(x, neighbours)
     # three deviations of the noise, which the flattest patches underrate by a quarter; and no ground is quite even
     deviation = np.sqrt(max(float(np.quantile(variance[:, 0], MIN_SHARE)), 0.0))
     band = 4 * deviation + 0.1 * float(np.median(distance[:, -1])) + 1e-9
@@ -154,28 +146,27 @@ def _refit(points: Float[np.ndarray, "r 3"], sheet: _Sheet, thickest: float) -> 
 
 
 def _all_rows(points: Float[np.ndarray, "n 3"], sample: _Sample, sheet: _Sheet) -> Bool[np.ndarray, "n"]:
-    """All points within the ground's thickness and amid it; two neighbours of eight do, as an object may be denser."""
+    """All points in the slab with at least two of eight sample neighbours in it: an object may be denser."""
     rows = np.abs(points @ sheet.normal - sheet.offset) <= sheet.band
     inside = np.abs(sample.points @ sheet.normal - sheet.offset) <= sheet.band
     rows[rows] = inside[sample.tree.query(points[rows], k=8)[1]].sum(axis=1) >= 2
     return rows
 
 
-def _side_of_object(sample: _Sample, sheet: _Sheet) -> int:
-    """1 or -1 if the rest of the cloud stands on the sheet's positive or negative side; 0 if the sheet is no ground."""
+def _is_ground(sample: _Sample, sheet: _Sheet) -> bool:
+    """Whether the rest of the cloud stands on one side of the sheet, and the sheet reaches further."""
     height = sample.points @ sheet.normal - sheet.offset
     rest = ~sheet.rows & (np.abs(height) > sheet.band)
     if rest.sum() < MIN_POINTS:
-        return 0
+        return False
     solid = _solid(sample.points[rest], sample.places)
     side = np.sign(height[rest])
-    up = int(np.sign(side[solid].sum()))
-    standing = solid & (side == up)
+    standing = solid & (side == np.sign(side[solid].sum()))
     if standing.sum() < (1 - MAX_BELOW) * solid.sum():
-        return 0
+        return False
     ground = sample.points[sheet.rows] @ sheet.axes
     if np.ptp(ground, axis=0).min() < MIN_WIDTH * 2 * sheet.band:
-        return 0
+        return False
     angle = np.linspace(0, 2 * np.pi, 32, endpoint=False)
     across = np.stack([np.cos(angle), np.sin(angle)])
     # the dense spots of scatter, a few of a hundred points of it, must not widen the object's footprint
@@ -183,7 +174,7 @@ def _side_of_object(sample: _Sample, sheet: _Sheet) -> int:
     reach = np.quantile(sample.points[rest][standing] @ sheet.axes @ across, 1 - trim, axis=0)
     # noise blurs the footprint, and a slope at its rim runs out within the thickness of the ground plane
     edge = reach + MARGIN * (reach + np.roll(reach, 16)).max() + 1.5 * sheet.band
-    return up if np.mean(np.quantile(ground @ across, 0.98, axis=0) > edge) >= MIN_DIRECTIONS else 0
+    return bool(np.mean(np.quantile(ground @ across, 0.98, axis=0) > edge) >= MIN_DIRECTIONS)
 
 
 def _solid(rest: Float[np.ndarray, "r 3"], places: Float[np.ndarray, "p 3"]) -> Bool[np.ndarray, "r"]:

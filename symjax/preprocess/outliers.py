@@ -1,4 +1,4 @@
-"""Scattered outliers: points that lie in space, not on a surface, told by how far their neighbours are.
+"""Scattered outliers: points that lie in space, not on a surface, recognised by the distance to their neighbours.
 
 Points strewn evenly over a volume have a density that two measurements agree on: the distances between neighbours,
 and their number over the volume. Points of a surface do not: their neighbours are much nearer than their number would
@@ -8,6 +8,8 @@ have it, and lie in a plane. No scale, share or distance is assumed, and a cloud
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import ConvexHull, QhullError, cKDTree
+
+from symjax.geometry.local_frames import local_frames
 
 NUM_NEIGHBOURS = 12
 """Neighbours whose mean distance is a point's crowding: more of them blur thin parts, fewer are noisy."""
@@ -22,7 +24,7 @@ ISOTROPIC = 0.09
 together parted all of 900 clouds of 5 000 points and more."""
 
 ISOLATED = 10.0
-"""A point whose neighbours are so many times farther off than usual belongs to nothing."""
+"""A point is isolated if its neighbours are this many times farther away than usual."""
 
 APART = 0.305
 """Least distance of the two parts' mean logarithms of crowding: at this, the sparser one is 1.36 times as sparse
@@ -80,9 +82,7 @@ def _fill_space(
         return False
     if local * volume > SAME_DENSITY * len(sparse):
         return False
-    around = points[near[sparse[:: max(1, len(sparse) // NUM_PROBES)]]]
-    around = around - around.mean(axis=1, keepdims=True)
-    variance = np.linalg.eigvalsh(np.matmul(around.transpose(0, 2, 1), around))
+    variance = local_frames(points, near[sparse[:: max(1, len(sparse) // NUM_PROBES)]])[0]
     return bool(np.median(variance[:, 0] / variance.sum(axis=1)) > ISOTROPIC)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symjax.geometry import checks
+from symjax.geometry.local_frames import tangent_frames
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
 from symjax.robust.distinct import SAME_OFFSET
@@ -220,9 +221,7 @@ def _axis(planes: list[Plane], scorer: _Scorer, least: float) -> Axis | None:
 
 def _through_line(point: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3"]) -> list[Plane]:
     """Planes through a line, at even angles."""
-    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    first /= np.linalg.norm(first)
-    second = np.cross(direction, first)
+    first, second = tangent_frames(direction).T
     turns = np.pi * (np.arange(AXIS_PLANES) + 0.5) / AXIS_PLANES
     normals = [np.cos(turn) * first + np.sin(turn) * second for turn in turns]
     return [Plane(normal, normal @ point) for normal in normals]
@@ -230,5 +229,4 @@ def _through_line(point: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3
 
 def _tilted(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """A direction well off another: planes about it are planes about the other only by chance."""
-    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    return (direction + across / np.linalg.norm(across)) / np.sqrt(2)
+    return (direction + tangent_frames(direction)[:, 0]) / np.sqrt(2)

@@ -16,6 +16,7 @@ from symjax.geometry.plane import Plane
 from symjax.geometry.similarity import Similarity
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.manifolds import SPHERE_LINE
+from symjax.l2e.pairs.padded import padded_size
 from symjax.l2e.solvers.base import Minimum
 from symjax.l2e.solvers.rbfgs import minimize
 from symjax.l2e.status import Status
@@ -150,11 +151,10 @@ def _paired(
     z: Float[np.ndarray, "4"], surface: Surface, quadrics: Quadrics
 ) -> tuple[Residuals, Float[np.ndarray, "n"]]:
     """Every point with its partner's quadric, and its weight: 0 if the partner is far or faces another way."""
-    v, omega = z[:3], z[3]
-    height = surface.points @ v - omega
-    image = surface.points - 2 * height[:, None] * v
-    distance, partner = surface.tree.query(image, workers=-1)
-    facing = surface.normals - 2 * (surface.normals @ v)[:, None] * v
+    plane = Plane(z[:3], z[3])
+    height = np.asarray(plane.signed_distance(surface.points))
+    distance, partner = surface.tree.query(np.asarray(plane.reflect(surface.points)), workers=-1)
+    facing = np.asarray(plane.reflect_directions(surface.normals))
     cosine = np.abs((facing * surface.normals[partner]).sum(axis=1))
     weight = cosine**2
     weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)
@@ -168,7 +168,7 @@ def _padded(
     coefficients: Float[np.ndarray, "n 6"],
     weight: Float[np.ndarray, "n"],
 ) -> Residuals:
-    extra = max(LEAST_SIZE, 1 << (len(x) - 1).bit_length()) - len(x)
+    extra = padded_size(len(x), LEAST_SIZE) - len(x)
 
     def padded(column: Float[np.ndarray, "n ..."]) -> Float[Array, "m ..."]:
         return jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1))))

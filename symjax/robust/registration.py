@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from symjax.geometry.plane import Plane
 from symjax.l2e.manifolds import tangent_basis
 from symjax.robust.voxel_grid import SIZE, VoxelGrid
 
@@ -27,13 +28,6 @@ DAMPING = 1e-3
 
 LONGEST_TURN, LONGEST_SHIFT = 0.2, 0.1
 """Limits of one step, in radians and in the unit of the points (the diagonal)."""
-
-
-class Planes(NamedTuple):
-    """A batch of planes v · x = ω."""
-
-    v: Float[Array, "p 3"]
-    omega: Float[Array, "p"]
 
 
 class Probes(NamedTuple):
@@ -67,9 +61,8 @@ class _Mirrored(NamedTuple):
     penalty: Float[Array, "m"]
 
 
-def _mirrored(
-    v: Float[Array, "3"], omega: Float[Array, ""], probes: Probes, grid: VoxelGrid, use_normals: bool
-) -> _Mirrored:
+def _mirrored(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) -> _Mirrored:
+    v, omega = map(jnp.asarray, plane)
     height = _dot(probes.x, v[None, :]) - omega
     image = probes.x - 2 * height[:, None] * v[None, :]
     at = jnp.clip(((image - grid.origin[None, :]) / grid.cell).astype(jnp.int32), 0, SIZE - 1)
@@ -91,7 +84,7 @@ def _weight_and_agreement(
 
 @partial(jax.jit, static_argnames=("use_normals",))
 def grid_scores(
-    planes: Planes, sigma: Float[Array, ""], probes: Probes, grid: VoxelGrid, *, use_normals: bool = True
+    planes: Plane, sigma: Float[Array, ""], probes: Probes, grid: VoxelGrid, *, use_normals: bool = True
 ) -> Float[Array, "p"]:
     """Scores of planes, with the partners of the voxel grid (see `PlaneScore.score`).
 
@@ -103,8 +96,8 @@ def grid_scores(
         use_normals: whether the normals must agree too.
     """
 
-    def one(plane: Planes) -> Float[Array, ""]:
-        m = _mirrored(plane.v, plane.omega, probes, grid, use_normals)
+    def one(plane: Plane) -> Float[Array, ""]:
+        m = _mirrored(plane, probes, grid, use_normals)
         weight, agreement = _weight_and_agreement(sigma, probes, m)
         agreeing = jnp.sum(weight * agreement)
         penalty = jnp.sum(weight * (1 - agreement) * m.penalty)
@@ -115,14 +108,14 @@ def grid_scores(
 
 @partial(jax.jit, static_argnames=("isotropic", "use_normals"))
 def register(
-    planes: Planes,
+    planes: Plane,
     sigmas: Float[Array, "s"],
     probes: Probes,
     grid: VoxelGrid,
     *,
     isotropic: float,
     use_normals: bool = True,
-) -> Planes:
+) -> Plane:
     """Moves every plane, one step for every σ.
 
     Args:
@@ -134,9 +127,9 @@ def register(
         use_normals: whether the weight falls where the normals do not agree.
     """
 
-    def one(plane: Planes) -> Planes:
-        def step(plane: Planes, sigma: Float[Array, ""]) -> tuple[Planes, None]:
-            m = _mirrored(plane.v, plane.omega, probes, grid, use_normals)
+    def one(plane: Plane) -> Plane:
+        def step(plane: Plane, sigma: Float[Array, ""]) -> tuple[Plane, None]:
+            m = _mirrored(plane, probes, grid, use_normals)
             return _step(plane, sigma, probes, m, isotropic), None
 
         return jax.lax.scan(step, plane, sigmas)[0]
@@ -144,8 +137,8 @@ def register(
     return jax.lax.map(one, planes, batch_size=BATCH_SIZE)
 
 
-def _step(plane: Planes, sigma: Float[Array, ""], probes: Probes, m: _Mirrored, isotropic: float) -> Planes:
-    v, omega = plane
+def _step(plane: Plane, sigma: Float[Array, ""], probes: Probes, m: _Mirrored, isotropic: float) -> Plane:
+    v, omega = map(jnp.asarray, plane)
     weight, agreement = _weight_and_agreement(sigma, probes, m)
     weight = weight * agreement
     along = _dot(m.normal, v[None, :])
@@ -174,7 +167,7 @@ def _step(plane: Planes, sigma: Float[Array, ""], probes: Probes, m: _Mirrored, 
     scale = jnp.minimum(1, LONGEST_TURN / jnp.maximum(turn, 1e-12))
     moved = v - scale * (turn_1 * basis[:, 0] + turn_2 * basis[:, 1])
     moved = moved / jnp.sqrt(_dot(moved, moved))
-    return Planes(moved, omega - jnp.clip(shift, -LONGEST_SHIFT, LONGEST_SHIFT))
+    return Plane(moved, omega - jnp.clip(shift, -LONGEST_SHIFT, LONGEST_SHIFT))
 
 
 def _solve(matrix: list[Array], vector: list[Array]) -> tuple[Array, Array, Array]:

@@ -63,7 +63,7 @@ def score_plane(
     *,
     use_normals: bool = True,
 ) -> PlaneScore:
-    """Compares the mirror images of some rows of a surface with the surface.
+    """Reflects the selected points and scores how well they fit the surface.
 
     Args:
         plane: the plane.
@@ -73,8 +73,7 @@ def score_plane(
         use_normals: whether the normals must agree too.
     """
     points = surface.points[rows]
-    height = points @ plane.normal - plane.offset
-    image = points - 2 * height[:, None] * plane.normal
+    height, image = np.asarray(plane.signed_distance(points)), np.asarray(plane.reflect(points))
     distance, partner = surface.tree.query(image, workers=-1)
     normals = surface.normals[partner]
     above = ((image - surface.points[partner]) * normals).sum(axis=1)
@@ -83,8 +82,7 @@ def score_plane(
     off += (np.maximum(along - SLACK * surface.spacing, 0.0) / surface.spacing) ** 2
     agreement = np.exp(-0.5 * off)
     if use_normals:
-        own = surface.normals[rows]
-        mirrored = own - 2 * (own @ plane.normal)[:, None] * plane.normal
+        mirrored = np.asarray(plane.reflect_directions(surface.normals[rows]))
         agreement = agreement * (mirrored * normals).sum(axis=1) ** 2
     weight = surface.confidence[rows] * (1 - np.exp(-2 * (height / (FAR * surface.spacing)) ** 2))
     return PlaneScore(partner, agreement, weight, penalty_at(grid, image))

@@ -12,7 +12,7 @@ from symjax.method.result import Candidate
 from symjax.robust import registration
 from symjax.robust.distinct import distinct
 from symjax.robust.hypotheses import hypotheses
-from symjax.robust.registration import Planes, Probes
+from symjax.robust.registration import Probes
 from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
 from symjax.robust.voxel_grid import VoxelGrid
@@ -121,8 +121,8 @@ def _probes(surface: Surface, order: Int[np.ndarray, "n"], count: int) -> Probes
     return Probes(*(jnp.asarray(column.astype(np.float32)) for column in columns))
 
 
-def _as_batch(planes: Plane, rows: Int[np.ndarray, "r"] | slice) -> Planes:
-    return Planes(*(jnp.asarray(column[rows].astype(np.float32)) for column in planes))
+def _as_batch(planes: Plane, rows: Int[np.ndarray, "r"] | slice) -> Plane:
+    return Plane(*(jnp.asarray(column[rows].astype(np.float32)) for column in planes))
 
 
 def _grid_scores(

@@ -55,7 +55,7 @@ class Surface(NamedTuple):
 
     @property
     def flat(self) -> bool:
-        """Whether the cloud is a flat sheet: its outline is then all that tells its planes apart."""
+        """Whether the cloud is a flat sheet: then only its outline distinguishes its mirror planes."""
         singular = np.linalg.svd(self.points - self.points.mean(axis=0), compute_uv=False)
         return bool(singular[2] < FLAT * singular[0])
 

@@ -1,7 +1,7 @@
 """Scans from one side: where they were taken from, and where they saw that there is nothing.
 
-In a scan from one side no point hides another one. That also holds when it is seen from behind, so the sides are told
-apart by the surface's bulge: what a scanner sees of a solid bulges towards the scanner.
+In a scan from one side no point hides another one. That also holds when it is seen from behind, so the bulge of the
+surface decides the side: what a scanner sees of a solid bulges towards the scanner.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from scipy.ndimage import minimum_filter
 from scipy.spatial import cKDTree
 
 from symjax.geometry.directions import fibonacci
+from symjax.geometry.local_frames import tangent_frames
 from symjax.robust.surface import Surface
 
 DISTANCE = 2.0
@@ -118,12 +119,8 @@ def _project(
     points: Float[np.ndarray, "n 3"], towards: Float[np.ndarray, "3"], distance: float
 ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
     """Image coordinates, at the scale of the middle, and depth, of points about the middle."""
-    axis = np.eye(3)[np.argmin(np.abs(towards))]
-    right = np.cross(towards, axis)
-    right /= np.linalg.norm(right)
     depth = distance - points @ towards
-    image = np.stack([points @ right, points @ np.cross(towards, right)], axis=1)
-    return image * (distance / depth)[:, None], depth
+    return points @ tangent_frames(towards) * (distance / depth)[:, None], depth
 
 
 def _visible_shares(

@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symjax.geometry.directions import deviation_angle
 from symjax.geometry.plane import Plane
+from symjax.geometry.plane_nms import near
+from symjax.geometry.similarity import Similarity
 
 SAME_ANGLE, SAME_OFFSET = 0.05, 1e-3
 """Planes nearer than this (degrees; diagonals, at the middle) are one optimum. Of 256 starts on 119 pairs, those that
@@ -65,16 +66,14 @@ def ranks(
         centre: middle of the cloud: the place where offsets are compared.
         diagonal: what they are compared with.
     """
-    height = planes.normal @ centre - planes.offset
+    centred = Similarity(1.0, None, -centre).plane(planes)
     rank = np.full(len(loss), NOWHERE)
     left = converged & np.isfinite(loss)
     number = 0
     while left.any():
         best = int(np.argmin(np.where(left, loss, np.inf)))
-        sign = np.where(planes.normal @ planes.normal[best] < 0, -1.0, 1.0)
-        apart = np.abs(sign * height - height[best])
-        angle = deviation_angle(planes.normal, planes.normal[best])
-        same = left & (angle < SAME_ANGLE) & (apart < SAME_OFFSET * diagonal)
+        optimum = Plane(centred.normal[best], centred.offset[best])
+        same = left & near(centred, optimum, angle=SAME_ANGLE, offset=SAME_OFFSET * diagonal)
         rank[same] = number
         left &= ~same
         number += 1

@@ -5,8 +5,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from symjax.errors import DegenerateCloudError, TooFewPointsError
+from symjax.errors import TooFewPointsError
 from symjax.preprocess.cloud import prepare
+from symjax.preprocess.own_frame import in_own_frame
 from symjax.preprocess.validation import finite_rows
 from symjax.symhks.correspondences import MIN_PAIRS, correspondences
 from symjax.symhks.method import SymHKS
@@ -70,12 +71,5 @@ def given_pairs(
     if len(rows) < MIN_PAIRS:
         raise TooFewPointsError(f"{len(rows)} pairs are too few: a plane takes {MIN_PAIRS} or more")
     x, y = x[rows], y[rows]
-    ends = np.concatenate([x, y])
-    centre = ends.mean(axis=0)
-    extent = float(np.abs(ends - centre).max(initial=0))
-    if extent == 0:
-        raise DegenerateCloudError(f"all ends of the {len(x)} pairs coincide: no mirror plane is defined")
-    unit = (ends - centre) / extent
-    axes = np.linalg.svd(unit, full_matrices=False)[2]
-    diagonal = extent * float(np.linalg.norm(np.ptp(unit @ axes.T, axis=0)))
-    return SweepPairs(x, y, centre, diagonal, (f"{len(x)} pairs given", *notes))
+    to_given = in_own_frame(np.concatenate([x, y]), "ends of pairs").to_given
+    return SweepPairs(x, y, np.asarray(to_given.shift), float(to_given.scale), (f"{len(x)} pairs given", *notes))

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
+from symjax.geometry.local_frames import tangent_frames
 from symjax.scale_sweep.optima import NOWHERE, Optimum
 from symjax.viz import colours
 from symjax.viz.colours import css
@@ -175,8 +176,7 @@ class SphereMap:
 
 def view(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
     """The scene: the sphere from nearly above the estimated normal."""
-    aside = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    up = np.cross(aside / np.linalg.norm(aside), normal)
+    up = -tangent_frames(normal)[:, 1]
     toward = np.cos(TILT) * normal - np.sin(TILT) * up
     hidden = {"visible": False, "range": [-FRAME, FRAME]}
     return {

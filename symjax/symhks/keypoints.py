@@ -20,7 +20,8 @@ MAX_RATIO = 0.975
 """Largest ratio of consecutive eigenvalues at a keypoint (Zhong's γ21 and γ32, in the usual setting)."""
 
 MIN_RATIO = 1e-4
-"""Smallest ratio of the least eigenvalue to the largest at a keypoint: flat is flat, whatever rounding says."""
+"""Smallest ratio of the least eigenvalue to the largest at a keypoint: below this, a neighbourhood counts as flat
+despite rounding."""
 
 SUPPRESSION = 0.3
 """Within this share of the radius only the most salient point stays."""

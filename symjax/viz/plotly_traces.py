@@ -18,7 +18,7 @@ DARKEST = 0.45
 
 
 def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n"]:
-    """Light on every point from a lamp beside the viewer, 0 to 1: shows shape, and asks no side of a normal."""
+    """Light on every point from a lamp beside the viewer, 0 to 1: shows shape, and needs no normal orientation."""
     if len(points) < LAMP_NEIGHBOURS:
         return np.ones(len(points))
     neighbours = cKDTree(points).query(points, LAMP_NEIGHBOURS)[1]

@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
 from symjax.geometry.plane import Plane
+from symjax.geometry.similarity import Similarity
 from symjax.viz.drawable import Drawable
 
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
@@ -175,8 +176,7 @@ def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray,
 
 def _moved(plane: Plane, origin: Float[np.ndarray, "3"]) -> Plane:
     """The same plane in coordinates taken from `origin`."""
-    normal = np.asarray(plane.normal, dtype=np.float64)
-    return plane._replace(normal=normal, offset=np.asarray(plane.offset) - normal @ origin)
+    return Similarity(1.0, None, -origin).plane(Plane(*(np.asarray(part, dtype=np.float64) for part in plane)))
 
 
 def _axes_within(

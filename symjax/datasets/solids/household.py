@@ -18,7 +18,7 @@ from symjax.datasets.solids.primitives import (
 )
 from symjax.datasets.solids.solid import Solid, mirrored
 
-UP, AHEAD, ASIDE = (0, 0, 1), (0, 1, 0), (1, 0, 0)
+UP, AHEAD = (0, 0, 1), (0, 1, 0)
 
 
 def mug(rng: np.random.Generator) -> Solid:

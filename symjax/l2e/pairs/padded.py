@@ -29,9 +29,9 @@ class PaddedPairs(NamedTuple):
     used: Int[Array, ""]
 
 
-def padded_size(num: int) -> int:
-    """The size that `num` pairs are padded to."""
-    return max(LEAST_SIZE, 1 << (num - 1).bit_length())
+def padded_size(num: int, least: int = LEAST_SIZE) -> int:
+    """The size that `num` pairs are padded to, a power of two or the least."""
+    return max(least, 1 << (num - 1).bit_length())
 
 
 def pad_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> PaddedPairs:

@@ -10,6 +10,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from symjax.geometry.plane import Plane
+from symjax.geometry.plane_nms import near
 from symjax.l2e.criterion import Point
 from symjax.l2e.features import coefficients, feature_rows
 from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
@@ -123,13 +125,11 @@ def _single(array: Float[Array, "*s"]) -> Float[Array, "*s"]:
 def plane_nms(points: Float[Array, "k 4"], values: Float[Array, "k"], num: int) -> Int[Array, "num"]:
     """Rows of the lowest values, no two planes alike (non-maximum suppression); of too few, the lowest again."""
     best = jnp.argmin(values)
-    close = jnp.cos(jnp.radians(SAME_ANGLE))
+    planes = Plane(points[:, :3], points[:, 3])
 
     def take(left: Float[Array, "k"], _: None) -> tuple[Float[Array, "k"], Int[Array, ""]]:
         row = jnp.argmin(left)
-        cosine = jnp.sum(points[:, :3] * points[row, None, :3], axis=1)
-        apart = jnp.abs(points[:, 3] * jnp.where(cosine < 0, -1, 1) - points[row, 3])
-        same = (jnp.abs(cosine) > close) & (apart < SAME_OFFSET)
+        same = near(planes, Plane(points[row, :3], points[row, 3]), angle=SAME_ANGLE, offset=SAME_OFFSET)
         return jnp.where(same, jnp.inf, left), jnp.where(jnp.isfinite(left[row]), row, best)
 
     return jax.lax.scan(take, values, None, length=num)[1]

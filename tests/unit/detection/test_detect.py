@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import symjax
+from symjax.detection.summary import lines
 from symjax.errors import InvalidArgumentError, InvalidPointsError, SymjaxError
 from symjax.geometry.plane import Plane
 from symjax.method.result import Candidate, MethodResult
@@ -58,8 +59,6 @@ def test_what_a_method_does_not_say_is_none_and_the_detection_is_whole_all_the_s
     np.testing.assert_array_equal(again.plane.normal, det.plane.normal)
     assert again.candidates[1].ranking_score == det.candidates[1].ranking_score
     assert det.complete().shape == (800, 3)
-    from symjax.detection.summary import lines
-
     assert "found     yes   (score -1.000)" in list(lines(det))
     det.plot(tmp_path / "page.html")
     det.picture(tmp_path / "picture.png")

@@ -1,10 +1,11 @@
 """Non-maximum suppression keeps the best of planes that are near each other, and all that are not."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from symjax.geometry.plane import Plane
-from symjax.geometry.plane_nms import is_same, suppress
+from symjax.geometry.plane_nms import near, suppress
 
 
 def planes(*rows):
@@ -41,15 +42,19 @@ def test_what_is_kept_is_apart_and_what_is_dropped_is_near_something_better(rng)
     kept = suppress(some, order, angle=12.0, offset=0.05, most=300)
     rank = {row: place for place, row in enumerate(order)}
 
-    def near(i, j):
-        return is_same(*(Plane(some.normal[k], some.offset[k]) for k in (i, j)), angle=12.0, offset=0.05)
-
-    assert not any(near(i, j) for i in kept for j in kept if i != j)
-    for row in set(range(300)) - set(kept.tolist()):
-        assert any(near(row, other) and rank[other] < rank[row] for other in kept)
+    for row in range(300):
+        beside = np.flatnonzero(near(some, Plane(some.normal[row], some.offset[row]), angle=12.0, offset=0.05))
+        kept_beside = set(beside.tolist()) & set(kept.tolist())
+        if row in kept:
+            assert kept_beside == {row}
+        else:
+            assert min(rank[other] for other in kept_beside) < rank[row]
 
 
 @pytest.mark.parametrize(("degrees", "offset", "same"), [(3.9, 0.019, True), (4.1, 0.0, False), (0.0, 0.021, False)])
-def test_two_planes_are_the_same_within_both_limits(degrees, offset, same):
-    first, second = planes(tilted(0)), planes(tilted(degrees, offset))
-    assert is_same(*(Plane(p.normal[0], p.offset[0]) for p in (first, second)), angle=4.0, offset=0.02) == same
+@pytest.mark.parametrize("xp", [np, jnp])
+def test_planes_are_near_within_both_limits_whatever_the_sign(xp, degrees, offset, same):
+    both = planes(tilted(degrees, offset), tilted(degrees + 180, -offset))
+    first = Plane(xp.asarray([1.0, 0.0, 0.0]), xp.asarray(0.0))
+    found = near(Plane(*(xp.asarray(part) for part in both)), first, angle=4.0, offset=0.02)
+    assert found.tolist() == [same, same]

@@ -1,4 +1,4 @@
-"""A similarity moves points, directions and planes alike, and its inverse and its compositions are what they say."""
+"""A similarity moves points, directions and planes alike, and its inverse leads back."""
 
 import jax
 import jax.numpy as jnp
@@ -47,21 +47,20 @@ def test_distances_are_scaled_and_directions_keep_their_length(similarity, rng):
     np.testing.assert_allclose(np.linalg.norm(step), np.linalg.norm(points[1] - points[0]), rtol=1e-12)
 
 
+def test_an_axis_moves_with_its_points(similarity, rng):
+    point, direction = rng.normal(size=(2, 3))
+    moved_point, moved_direction = similarity.axis((point, direction))
+    np.testing.assert_allclose(moved_point, similarity.points(point), atol=1e-12)
+    further = similarity.points(point + direction)
+    np.testing.assert_allclose(similarity.scale * moved_direction, further - moved_point, atol=1e-12)
+
+
 def test_the_inverse_leads_back(similarity, rng):
     points = rng.normal(size=(20, 3))
     np.testing.assert_allclose(similarity.inverse().points(similarity.points(points)), points, atol=1e-12)
     plane = Plane(np.array([0.0, 1.0, 0.0]), np.float64(-2.0))
     back = similarity.inverse().plane(similarity.plane(plane))
     np.testing.assert_allclose(np.append(back.normal, back.offset), [0, 1, 0, -2], atol=1e-12)
-
-
-@pytest.mark.parametrize("turned", [(True, True), (True, False), (False, True), (False, False)])
-def test_a_composition_is_one_after_the_other(turned, rng):
-    first, second = (some(rng, turned=t) for t in turned)
-    points = rng.normal(size=(20, 3))
-    both = second.after(first)
-    np.testing.assert_allclose(both.points(points), second.points(first.points(points)), atol=1e-12)
-    assert (both.rotation is None) == (turned == (False, False))
 
 
 def test_a_batch_moves_every_point_by_its_own_map(rng):

@@ -33,14 +33,13 @@ class Scene:
         height = np.r_[whole[:, 2], np.full(len(scene) - len(whole), np.nan)] / size
         order = rng.permutation(len(scene))
         self.points, self.what, self.height = self.unit * (scene + shift)[order], what[order], height[order]
-        self.up, self.offset = turn[:, 2], self.unit * float(turn[:, 2] @ shift)
         self.size = self.unit * size
 
     def removed(self, found):
-        return found.rows[self.what == FLOOR].mean()
+        return found[self.what == FLOOR].mean()
 
     def kept(self, found, above=0.0):
-        return 1 - found.rows[(self.what == OBJECT) & (self.height > above)].mean()
+        return 1 - found[(self.what == OBJECT) & (self.height > above)].mean()
 
 
 @pytest.mark.parametrize("kind", STANDING)
@@ -50,10 +49,8 @@ def test_the_floor_goes_and_the_object_stays(kind, rng):
         found = ground_rows(scene.points)
         assert scene.removed(found) >= 0.95
         assert scene.kept(found) >= 0.99
-        np.testing.assert_allclose(found.normal, scene.up, atol=1e-6)
-        np.testing.assert_allclose(found.offset, scene.offset, atol=1e-6 * scene.size)
-        assert found.rows.dtype == bool
-        assert found.rows.shape == (len(scene.points),)
+        assert found.dtype == bool
+        assert found.shape == (len(scene.points),)
 
 
 @pytest.mark.parametrize("kind", STANDING)
@@ -61,7 +58,6 @@ def test_noise_thickens_the_floor_and_no_more(kind, rng):
     scene = Scene(kind, rng, noise=0.005, width=1.8)
     found = ground_rows(scene.points)
     assert scene.removed(found) >= 0.95
-    assert found.normal @ scene.up > 0.999
     # three deviations of the noise, which is relative to the whole scene's diagonal
     assert scene.kept(found, above=0.07) >= 0.98
 
@@ -71,10 +67,8 @@ def test_outliers_on_both_sides_hide_neither_floor_nor_object(outliers, rng):
     for kind in STANDING:
         scene = Scene(kind, rng, outliers=outliers, width=1.8, share=0.8)
         found = ground_rows(scene.points)
-        assert found is not None, kind
         assert scene.removed(found) >= 0.95
         assert scene.kept(found, above=0.05) >= 0.97
-        assert found.normal @ scene.up > 0.999
 
 
 @pytest.mark.parametrize("kind", ["chair", "car", "human", "head", "mug"])
@@ -96,7 +90,7 @@ def test_a_floor_may_be_most_of_the_cloud(rng):
 def test_a_complete_object_has_no_floor(kind, rng):
     for seed in range(2):
         points = generate(kind, num_points=3000, rng=seed).points @ random_orthogonal(rng).T
-        assert ground_rows(points) is None
+        assert not ground_rows(points).any()
 
 
 @pytest.mark.parametrize(("noise", "outliers"), [(0.01, 0.0), (0.0, 1.0), (0.005, 0.5)])
@@ -105,25 +99,14 @@ def test_noise_and_outliers_make_hardly_any_floor(noise, outliers, rng):
     for kind in COMPLETE:
         points = add_noise(generate(kind, num_points=2500, rng=rng).points @ random_orthogonal(rng).T, noise, rng)
         found.append(ground_rows(add_outliers(points, outliers, rng)))
-    assert sum(ground is not None for ground in found) <= 1
-
-
-def test_the_normal_points_to_the_object(rng):
-    for kind in STANDING:
-        scene = Scene(kind, rng)
-        found = ground_rows(scene.points)
-        np.testing.assert_allclose(np.linalg.norm(found.normal), 1, rtol=1e-12)
-        assert (scene.points[scene.what == OBJECT] @ found.normal > found.offset).all()
+    assert sum(ground.any() for ground in found) <= 1
 
 
 def test_the_answer_is_deterministic_and_hardly_depends_on_the_seed(rng):
     scene = Scene("teapot", rng, noise=0.003)
     found = ground_rows(scene.points, seed=1)
-    again = ground_rows(scene.points, seed=1)
-    assert (found.rows == again.rows).all()
-    assert (found.normal == again.normal).all()
-    assert found.offset == again.offset
-    assert (ground_rows(scene.points, seed=2).rows == found.rows).mean() > 0.95
+    np.testing.assert_array_equal(ground_rows(scene.points, seed=1), found)
+    assert (ground_rows(scene.points, seed=2) == found).mean() > 0.95
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.003])
@@ -133,16 +116,14 @@ def test_the_floor_turns_moves_and_grows_with_the_cloud(noise, rng):
         found = ground_rows(scene.points)
         turn, move = random_orthogonal(rng), scene.size * rng.normal(size=3)
         there = ground_rows(7 * scene.points @ turn.T + move)
-        assert (there.rows != found.rows).mean() < 0.005
-        np.testing.assert_allclose(there.normal, turn @ found.normal, atol=1e-6)
-        np.testing.assert_allclose(there.offset, 7 * found.offset + there.normal @ move, atol=1e-5 * scene.size)
+        assert (there != found).mean() < 0.005
 
 
 def test_clouds_that_carry_nothing_have_no_floor(rng):
     plate = rng.uniform(size=(2000, 3)) * [1, 1, 0]
     for points in (plate, plate + rng.normal(scale=0.01, size=plate.shape), np.outer(plate[:, 0], [1.0, 2.0, 3.0])):
-        assert ground_rows(points) is None
-    assert ground_rows(np.ones((100, 3))) is None
-    assert ground_rows(np.repeat(plate[:4], 100, axis=0)) is None
-    assert ground_rows(plate[:20]) is None
-    assert ground_rows(rng.normal(size=(2000, 3))) is None
+        assert not ground_rows(points).any()
+    assert not ground_rows(np.ones((100, 3))).any()
+    assert not ground_rows(np.repeat(plate[:4], 100, axis=0)).any()
+    assert not ground_rows(plate[:20]).any()
+    assert not ground_rows(rng.normal(size=(2000, 3))).any()

@@ -160,7 +160,7 @@ def test_without_normals_the_agreement_is_that_of_the_place(surface, grid, whole
 def test_without_normals_turned_normals_change_no_score_of_the_grid(surface, grid, rng):
     turned = rng.permutation(surface.normals)
     rows = np.arange(256)
-    planes = registration.Planes(np.eye(3, dtype=np.float32), np.zeros(3, np.float32))
+    planes = Plane(np.eye(3, dtype=np.float32), np.zeros(3, np.float32))
     ones = np.ones(256, np.float32)
 
     def scores(normals, use_normals):

@@ -6,7 +6,7 @@ import pytest
 from symjax.datasets import generate
 from symjax.geometry.plane import Plane
 from symjax.preprocess.cloud import prepare
-from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Planes, Probes, grid_scores, register
+from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Probes, grid_scores, register
 from symjax.robust.search import ROUNDS
 from symjax.robust.surface import estimate_surface
 from symjax.robust.voxel_grid import SIZE, voxel_grid
@@ -38,12 +38,12 @@ def random_planes(count):
     rng = np.random.default_rng(7)
     v = rng.normal(size=(count, 3))
     v /= np.linalg.norm(v, axis=1, keepdims=True)
-    return Planes(v.astype(np.float32), rng.uniform(-0.15, 0.15, count).astype(np.float32))
+    return Plane(v.astype(np.float32), rng.uniform(-0.15, 0.15, count).astype(np.float32))
 
 
 def one_step(planes, probes, grid, sigma=SIGMA):
     moved = register(planes, np.array([sigma], np.float32), probes, grid, isotropic=ISOTROPIC)
-    return np.asarray(moved.v), np.asarray(moved.omega)
+    return np.asarray(moved.normal), np.asarray(moved.offset)
 
 
 def mirrored(v, omega, probes, grid):
@@ -98,7 +98,7 @@ def test_one_step_is_the_gauss_newton_step_of_the_reweighted_squares(scene):
     # a mirror image on a cell's border may be looked up on its other side
     assert np.median(np.maximum(off, shift)) < 2e-5
     assert np.quantile(np.maximum(off, shift), 0.9) < 5e-4
-    moved = np.abs(v - planes.v).max(axis=1)
+    moved = np.abs(v - planes.normal).max(axis=1)
     assert np.median(moved) > 0.01
 
 
@@ -120,9 +120,9 @@ def test_a_batch_is_what_its_planes_are_one_by_one(scene, count):
     # a sum over an axis of length 3 inside vmap comes out wrong on some CPUs, in some rows of some batches
     grid, probes, *_ = scene
     planes = random_planes(count)
-    alone = [one_step(Planes(*(a[i : i + 1] for a in planes)), probes, grid) for i in range(0, count, 7)]
+    alone = [one_step(Plane(*(a[i : i + 1] for a in planes)), probes, grid) for i in range(0, count, 7)]
     for order in (np.arange(count), np.arange(count)[::-1]):
-        batch = Planes(*(a[order] for a in planes))
+        batch = Plane(*(a[order] for a in planes))
         v, omega = (a[order] for a in one_step(batch, probes, grid))
         np.testing.assert_allclose(v[::7], np.concatenate([a for a, _ in alone]), atol=2e-4)
         np.testing.assert_allclose(omega[::7], np.concatenate([b for _, b in alone]), atol=2e-4)
@@ -133,10 +133,10 @@ def test_planes_do_not_depend_on_their_neighbours(scene):
     planes = random_planes(100)
     v, omega = one_step(planes, probes, grid)
     order = np.random.default_rng(0).permutation(100)
-    shuffled = one_step(Planes(planes.v[order], planes.omega[order]), probes, grid)
+    shuffled = one_step(Plane(planes.normal[order], planes.offset[order]), probes, grid)
     np.testing.assert_allclose(shuffled[0], v[order], atol=2e-4)
     np.testing.assert_allclose(shuffled[1], omega[order], atol=2e-4)
-    scores = [grid_scores(Planes(*(a[rows] for a in planes)), np.float32(SIGMA), probes, grid) for rows in (order, [3])]
+    scores = [grid_scores(Plane(*(a[rows] for a in planes)), np.float32(SIGMA), probes, grid) for rows in (order, [3])]
     together = np.asarray(grid_scores(planes, np.float32(SIGMA), probes, grid))
     np.testing.assert_allclose(scores[0], together[order], atol=1e-3)
     np.testing.assert_allclose(scores[1], together[3:4], atol=1e-3)
@@ -147,7 +147,7 @@ def perturbed(normal, offset, count, degrees, shift):
     across = np.cross(normal, rng.normal(size=(count, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     v = np.cos(np.radians(degrees)) * normal + np.sin(np.radians(degrees)) * across
-    return Planes(v.astype(np.float32), (offset + shift * rng.choice([-1, 1], count)).astype(np.float32))
+    return Plane(v.astype(np.float32), (offset + shift * rng.choice([-1, 1], count)).astype(np.float32))
 
 
 def angles(v, normal):
@@ -160,7 +160,7 @@ def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return(kind):
     planes = perturbed(normal, offset, 64, 8.0, 0.03)
     sigmas = np.array([s for stage in ROUNDS for s in stage.sigmas], np.float32)
     moved = register(planes, sigmas, probes, grid, isotropic=ROUNDS[-1].isotropic)
-    v, omega = np.asarray(moved.v), np.asarray(moved.omega)
+    v, omega = np.asarray(moved.normal), np.asarray(moved.offset)
     assert np.quantile(angles(v, normal), 0.9) < 1.0
     assert np.quantile(np.abs(np.abs(omega) - abs(offset)), 0.9) < 0.005
     before = grid_scores(planes, np.float32(0.025), probes, grid)
@@ -170,7 +170,7 @@ def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return(kind):
 def test_a_plane_and_its_opposite_are_one(scene):
     grid, probes, *_ = scene
     planes = random_planes(64)
-    turned = Planes(-planes.v, -planes.omega)
+    turned = Plane(-planes.normal, -planes.offset)
     (v, omega), (u, tau) = (one_step(p, probes, grid) for p in (planes, turned))
     np.testing.assert_allclose(u, -v, atol=5e-4)
     np.testing.assert_allclose(tau, -omega, atol=5e-4)
@@ -182,8 +182,8 @@ def test_a_step_is_never_longer_than_its_limits(scene):
     grid, probes, *_ = scene
     planes = random_planes(64)
     v, omega = one_step(planes, probes, grid, sigma=0.3)
-    assert np.radians(angles_between(v, planes.v)).max() <= LONGEST_TURN + 1e-3
-    assert np.abs(omega - planes.omega).max() <= LONGEST_SHIFT + 1e-6
+    assert np.radians(angles_between(v, planes.normal)).max() <= LONGEST_TURN + 1e-3
+    assert np.abs(omega - planes.offset).max() <= LONGEST_SHIFT + 1e-6
     np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, atol=1e-5)
 
 
@@ -201,7 +201,7 @@ def degenerate(scene, case):
     elif case == "tiny sigma":
         sigma = 1e-6
     else:
-        planes = Planes(planes.v, planes.omega + np.float32(100))
+        planes = Plane(planes.normal, planes.offset + np.float32(100))
     return planes, sigma, probes, grid
 
 
@@ -213,7 +213,7 @@ def test_degenerate_input_leaves_the_plane_finite(scene, case):
     assert np.isfinite(omega).all()
     np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, atol=1e-5)
     if case in ("no weight", "far away"):
-        np.testing.assert_allclose(v, planes.v, atol=1e-6)
+        np.testing.assert_allclose(v, planes.normal, atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import pytest
 from scipy.spatial import Delaunay, cKDTree
 
 from symjax.errors import InvalidArgumentError, SpectrumError
-from symjax.geometry.local_frames import tangent_frames
 from symjax.symhks.spectrum import delaunay_stars, spectrum, star_laplacian
 
 
@@ -79,13 +78,6 @@ def test_given_normals_of_any_length_and_sign_serve_as_well_as_estimated_ones(rn
     points = sphere(rng, 3_000)
     eigen = spectrum(points, normals=-3.0 * points, num_eigs=5)
     np.testing.assert_allclose(eigen.eigenvalues[1:4], 2.0, rtol=0.08)
-
-
-def test_tangent_frames_are_orthonormal(rng):
-    normals = np.concatenate([rng.normal(size=(100, 3)), np.eye(3), -np.eye(3)])
-    frames = tangent_frames(normals)
-    np.testing.assert_allclose(np.einsum("nij,nik->njk", frames, frames), np.tile(np.eye(2), (106, 1, 1)), atol=1e-12)
-    np.testing.assert_allclose(np.einsum("nij,ni->nj", frames, normals), 0.0, atol=1e-12)
 
 
 def test_every_piece_has_its_own_zero(rng):

@@ -1,0 +1,68 @@
+"""Points and normals as they are given: what is no cloud is refused, with what to do instead."""
+
+import numpy as np
+import pytest
+
+from symjax.errors import InvalidPointsError, NonfiniteError, TooFewPointsError
+from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, finite_rows, require
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int16, np.uint8])
+def test_points_of_any_real_type_become_float64(dtype):
+    points = np.arange(12).reshape(4, 3).astype(dtype)
+    found = as_points(points)
+    assert found.dtype == np.float64
+    np.testing.assert_array_equal(found, points)
+    np.testing.assert_array_equal(as_points(points.tolist()), points)
+
+
+def test_the_given_points_are_not_written_to():
+    points = np.zeros((4, 3))
+    as_points(points)[:] = 1
+    assert not points.any()
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (np.zeros((3, 8)), "transpose"),
+        (np.zeros((8, 6)), "coordinates only"),
+        (np.zeros((8, 2)), "third column"),
+        (np.zeros((2, 4, 3)), r"not \(2, 4, 3\)"),
+        (np.zeros((8, 3), complex), "real numbers"),
+        (np.zeros((8, 3), bool), "real numbers"),
+        (np.full((8, 3), "1"), "real numbers"),
+        ([[1, 2, 3], [1, 2]], "differ in length"),
+    ],
+)
+def test_what_is_no_cloud_is_refused(points, message):
+    with pytest.raises(InvalidPointsError, match=message):
+        as_points(points)
+
+
+def test_too_few_points_are_refused():
+    with pytest.raises(TooFewPointsError, match="empty"):
+        as_points([])
+    require(MIN_POINTS, "points")
+    with pytest.raises(TooFewPointsError, match=f"{MIN_POINTS - 1} distinct points are too few"):
+        require(MIN_POINTS - 1, "distinct points")
+
+
+def test_rows_that_are_not_finite_are_dropped_and_noted_or_refused():
+    points = np.zeros((5, 3))
+    points[1, 2], points[4, 0] = np.nan, np.inf
+    notes = []
+    assert finite_rows(points, "drop", notes).tolist() == [0, 2, 3]
+    assert notes == ["2 of 5 points were NaN or infinite and were dropped"]
+    with pytest.raises(NonfiniteError, match="2 of 5 points are NaN or infinite, the first at index 1"):
+        finite_rows(points, "raise", notes)
+    assert finite_rows(points[2:4], "raise", notes).tolist() == [0, 1]
+    assert len(notes) == 1
+
+
+def test_normals_are_those_of_the_rows_and_bad_ones_elsewhere_do_not_matter(rng):
+    normals = rng.normal(size=(6, 3))
+    normals[2], normals[4] = 0.0, np.nan
+    np.testing.assert_array_equal(as_normals(normals, (6, 3), np.array([5, 0])), normals[[5, 0]])
+    with pytest.raises(InvalidPointsError, match=r"2 normals .* the first at index 2"):
+        as_normals(normals, (6, 3), np.arange(6))
