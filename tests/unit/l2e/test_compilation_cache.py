@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 PROGRAM = """
 import sys, numpy as np, jax, symjax
 counts = []
@@ -38,6 +40,7 @@ def test_what_one_process_compiled_the_next_one_loads(tmp_path):
     assert run(str(folder)) == (str(folder), misses, 0)
 
 
+@pytest.mark.slow
 def test_the_folder_is_that_of_the_environment(tmp_path):
     folder, _, _ = run(SYMJAX_CACHE=str(tmp_path / "named"))
     assert folder == str(tmp_path / "named")

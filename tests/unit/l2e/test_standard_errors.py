@@ -133,6 +133,7 @@ def test_weight_zero_is_absence(pairs):
     np.testing.assert_allclose(found.inlier_fraction, expected.inlier_fraction, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_exact_pairs_have_hardly_any_error():
     p = planted_pairs(np.random.default_rng(2), NUM, 0.5, noise=0.0)
     for sigma in (NOISE, "auto"):

@@ -69,6 +69,7 @@ def test_starts_are_those_of_the_sweep(found):
     assert ((found.fits.start.offset > low) & (found.fits.start.offset < high)).all()
 
 
+@pytest.mark.slow
 def test_a_continuation_has_optima_and_no_starts():
     followed = swept(OPTIONS._replace(start="l2", restarts=256, continuation=True))
     assert followed.rank.shape == (3, followed.options.restarts) == (3, 1)

@@ -85,6 +85,7 @@ def test_derivatives_ignore_the_start_and_its_sign(smooth, v0):
     assert jnp.abs(by_x).max() > 0
 
 
+@pytest.mark.slow
 def test_gradients_go_through_vmap_and_sweeps(smooth, v0):
     x, y, sigma, weights = smooth
 

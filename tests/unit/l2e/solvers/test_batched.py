@@ -142,6 +142,7 @@ np.savez(sys.argv[1], *jax.tree.leaves([*found, swept(STARTS)]))
 """
 
 
+@pytest.mark.slow
 def test_several_devices_give_what_one_gives(many, tmp_path):
     flags = f"{os.environ.get('XLA_FLAGS', '')} --xla_force_host_platform_device_count={DEVICES}"
     file = tmp_path / "found.npz"

@@ -68,6 +68,7 @@ def test_convergence_is_judged_by_our_own_tolerance(pairs):
     assert "max_steps was reached" in short.message
 
 
+@pytest.mark.slow
 def test_it_goes_through_jit_vmap_and_grad(pairs):
     v0 = jnp.asarray(pairs.normal)
 

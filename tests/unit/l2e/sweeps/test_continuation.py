@@ -28,6 +28,7 @@ def objective(fits):
     return (4 * np.pi * np.asarray(fits.sigma) ** 2) ** -1.5 - np.asarray(fits.loss)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", CLOUDS)
 def test_the_best_is_never_worse_than_that_of_independent_fits(kind):
     for seed in range(4):
