@@ -67,7 +67,7 @@ def detection(kind: str, seed: int, condition: str, method: str) -> dict[str, An
         "found": det.found,
         "ambiguous": det.ambiguous,
         "symmetry": det.symmetry,
-        "num_planes": len(det.planes),
+        "planes": [[*plane.normal.tolist(), float(plane.offset)] for plane in det.planes],
         "diagonal": det.diagonal,
         "normal_error": 0.0 if det.uncertainty is None else det.uncertainty.normal_degrees,
         "offset_error": 0.0 if det.uncertainty is None else det.uncertainty.offset,
