@@ -43,10 +43,10 @@ class Baseline(ABC):
         to_cloud = cloud.to_given.inverse()
         planes = [to_cloud.plane(Plane(*plane)) for plane in zip(ranking.normals, ranking.offsets, strict=True)]
         scores = ranking.scores.tolist()
-        held = tuple(planes if self.several else planes[:1])[:max_planes]
+        held = tuple(planes if self.several else planes[:1])
         candidates = (Candidate(plane, score, score) for plane, score in zip(planes, scores, strict=True))
         symmetry: Symmetry = "several planes" if len(held) > 1 else "one plane" if held else "none"
-        return MethodResult(tuple(candidates)[:max_planes], held, symmetry)
+        return MethodResult(tuple(candidates), held, symmetry)
 
 
 def as_given(cloud: Cloud) -> Float[np.ndarray, "n 3"]:

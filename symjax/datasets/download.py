@@ -9,9 +9,7 @@ from urllib.parse import urlsplit
 
 from symjax.datasets.registry import Original
 from symjax.errors import FileFormatError, InvalidArgumentError
-
-CACHE = "SYMJAX_CACHE"
-"""Environment variable that names the cache folder, as it does for compiled programs."""
+from symjax.io.cache_folder import cache_folder
 
 SCHEME = "https://"
 """How an address must begin."""
@@ -41,9 +39,8 @@ def fetch(name: str, original: Original) -> Path:
 
     file = f"models/{name}{PurePosixPath(urlsplit(original.url).path).suffix}"
     cache = pooch.create(
-        path=pooch.os_cache("symjax"),
+        path=cache_folder(),
         base_url="",
-        env=CACHE,
         registry={file: f"sha256:{original.sha256}"},
         urls={file: original.url},
     )

@@ -1,12 +1,10 @@
 """The persistent compilation cache: what one process compiled, the next one loads."""
 
-import os
 from pathlib import Path
 
 import jax
 
-FOLDER = "SYMJAX_CACHE"
-"""Environment variable that names the folder."""
+from symjax.io.cache_folder import cache_folder
 
 
 def enable_compilation_cache(folder: str | Path | None = None) -> Path:
@@ -21,10 +19,7 @@ def enable_compilation_cache(folder: str | Path | None = None) -> Path:
     Returns:
         The folder, which is made.
     """
-    if folder is None:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        folder = os.environ.get(FOLDER) or Path(home) / "symjax"
-    path = Path(folder).expanduser()
+    path = cache_folder() if folder is None else Path(folder).expanduser()
     path.mkdir(parents=True, exist_ok=True)
     jax.config.update("jax_compilation_cache_dir", str(path))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)

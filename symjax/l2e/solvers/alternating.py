@@ -1,27 +1,17 @@
 """Algorithm 1 of the paper: ω and v in turn."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE
-from symjax.l2e.solvers.base import Minimum, Solver, ending, norm, solve
+from symjax.l2e.solvers.base import Minimum, Progress, Solver, norm, solve, solver_of
 from symjax.l2e.solvers.rbfgs import minimize
 
 INNER_STEPS = 64  # limit on the steps of one inner solve
-
-
-class State(NamedTuple):
-    """State of the alternation: the point, its value and joint gradient norm, the rounds, whether nothing moved."""
-
-    z: Float[Array, "4"]
-    value: Float[Array, ""]
-    grad_norm: Float[Array, ""]
-    k: Int[Array, ""]
-    stalled: Bool[Array, ""]
 
 
 def alternation(
@@ -53,13 +43,9 @@ def alternation(
         value, grad = value_and_grad(z)
         return value, norm(SPHERE_LINE.project(z, grad))
 
-    def going(state: State) -> Bool[Array, ""]:
-        _, value, grad_norm, k, stalled = state
-        return jnp.isfinite(value) & (grad_norm > tol) & (k < max_steps) & ~stalled
-
     @jax.default_matmul_precision("highest")
-    def round_(state: State) -> State:
-        z, _, _, k, _ = state
+    def round_(last: Progress) -> Progress:
+        z = last.point
         v = z[:3]
         # throw=False: under vmap one solve that runs out of steps must not fail the others
         along_the_normal: Any = optx.minimise(
@@ -79,16 +65,12 @@ def alternation(
         )
         new = jnp.append(inner.point, omega)
         new_value, grad_norm = joint(new)
-        return State(new, new_value, grad_norm, k + 1, jnp.all(new == z))
+        return Progress(new, new_value, grad_norm, last.num_steps + 1, jnp.all(new == z))
 
-    def init(z0: Float[Array, "4"]) -> State:
-        return State(z0, *joint(z0), jnp.asarray(0), jnp.asarray(False))
+    def init(z0: Float[Array, "4"]) -> Progress:
+        return Progress(z0, *joint(z0), jnp.asarray(0), jnp.asarray(False))
 
-    def finish(state: State) -> Minimum:
-        z, value, grad_norm, k, stalled = state
-        return Minimum(z, value, grad_norm, k, ending(grad_norm, tol, value, stalled))
-
-    return Solver(init, going, round_, finish)
+    return solver_of(init, round_, lambda last: last, max_steps=max_steps, tol=tol)
 
 
 @jax.default_matmul_precision("highest")

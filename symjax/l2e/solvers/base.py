@@ -11,6 +11,9 @@ from symjax.l2e.status import Status
 
 State = Any
 
+ROUNDING = 32.0
+"""Units of rounding, of ψ or 1, within which two values are equal: exponents are sums of larger terms."""
+
 
 class Minimum(NamedTuple):
     """What a solver has found.
@@ -28,6 +31,24 @@ class Minimum(NamedTuple):
     grad_norm: Float[Array, ""]
     num_steps: Int[Array, ""]
     status: Int[Array, ""]
+
+
+class Progress(NamedTuple):
+    """Where a solver stands.
+
+    Attributes:
+        point: the best point so far.
+        value: the function there.
+        grad_norm: norm of the Riemannian gradient there.
+        num_steps: steps taken.
+        stalled: whether the last step found nothing lower.
+    """
+
+    point: Float[Array, "d"]
+    value: Float[Array, ""]
+    grad_norm: Float[Array, ""]
+    num_steps: Int[Array, ""]
+    stalled: Bool[Array, ""]
 
 
 class Limits(NamedTuple):
@@ -58,6 +79,28 @@ class Solver(NamedTuple):
     finish: Callable[[State], Any]
 
 
+def solver_of(
+    init: Callable[[Float[Array, "d"]], State],
+    step: Callable[[State], State],
+    progress: Callable[[State], Progress],
+    *,
+    max_steps: int | Int[Array, ""],
+    tol: float | Float[Array, ""],
+) -> Solver:
+    """The solver that steps until its gradient is within tol, nothing lower is found, or its steps are used up."""
+
+    def going(state: State) -> Bool[Array, ""]:
+        at = progress(state)
+        far = jnp.isfinite(at.value) & (at.grad_norm > tol)
+        return far & (at.num_steps < max_steps) & ~at.stalled
+
+    def finish(state: State) -> Minimum:
+        point, value, grad_norm, num_steps, stalled = progress(state)
+        return Minimum(point, value, grad_norm, num_steps, ending(grad_norm, tol, value, stalled))
+
+    return Solver(init, going, step, finish)
+
+
 def solve(solver: Solver, start: Float[Array, "d"]) -> Any:
     """Runs a solver from one start; gives what its `finish` gives."""
     return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
@@ -81,6 +124,14 @@ def with_start(solver: Solver, point_of: Callable[[Float[Array, "s"]], Float[Arr
 def norm(u: Float[Array, "d"]) -> Float[Array, ""]:
     """Euclidean length, summed elementwise: `jnp.linalg.norm` of float32 runs in TF32 on some devices."""
     return jnp.sqrt(jnp.sum(u * u))
+
+
+def is_level(
+    value: Float[Array, ""], grad_norm: Float[Array, ""], last_value: Float[Array, ""], last_grad_norm: Float[Array, ""]
+) -> Bool[Array, ""]:
+    """Whether a step changed the value by no more than its rounding, and made the gradient smaller."""
+    rounding = ROUNDING * jnp.finfo(value.dtype).eps * jnp.maximum(jnp.abs(last_value), 1)
+    return (jnp.abs(last_value - value) <= rounding) & (grad_norm < last_grad_norm)
 
 
 def ending(

@@ -1,30 +1,19 @@
 """A minimiser of optimistix as a solver, in tangent charts."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import optimistix as optx
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from symjax.l2e.manifolds import SPHERE_LINE
-from symjax.l2e.solvers.base import Minimum, Solver, ending, norm
-from symjax.l2e.solvers.newton import ROUNDING
+from symjax.l2e.solvers.base import Progress, Solver, is_level, norm, solver_of
 
 STEPS_OF_A_ROUND = 32
 """Steps in one chart. A chart reaches only the half sphere about its centre, and is ever more distorted towards its
 rim: far from the centre the next one is better."""
-
-
-class State(NamedTuple):
-    """State of the solver: the point, its value and gradient norm, the rounds, whether the last found nothing lower."""
-
-    z: Float[Array, "4"]
-    value: Float[Array, ""]
-    grad_norm: Float[Array, ""]
-    k: Int[Array, ""]
-    stalled: Bool[Array, ""]
 
 
 def external(
@@ -54,16 +43,12 @@ def external(
         value, grad = value_and_grad(z)
         return value, norm(SPHERE_LINE.project(z, grad))
 
-    def init(z0: Float[Array, "4"]) -> State:
-        return State(z0, *at(z0), jnp.asarray(0), jnp.asarray(False))
-
-    def going(state: State) -> Bool[Array, ""]:
-        far = jnp.isfinite(state.value) & (state.grad_norm > tol)
-        return far & (state.k < max_steps) & ~state.stalled
+    def init(z0: Float[Array, "4"]) -> Progress:
+        return Progress(z0, *at(z0), jnp.asarray(0), jnp.asarray(False))
 
     @jax.default_matmul_precision("highest")
-    def round_(state: State) -> State:
-        z = state.z
+    def round_(last: Progress) -> Progress:
+        z = last.point
         basis = SPHERE_LINE.basis(z)
 
         def from_chart(t: Float[Array, "3"]) -> Float[Array, "4"]:
@@ -79,15 +64,9 @@ def external(
         )
         new = from_chart(ended.value)
         value, grad_norm = at(new)
-        rounding = ROUNDING * jnp.finfo(value.dtype).eps * jnp.maximum(jnp.abs(state.value), 1)
-        level = (value <= state.value + rounding) & (grad_norm < state.grad_norm)
-        accepted = (value < state.value) | level
-        moved = State(new, value, grad_norm, state.k + 1, jnp.asarray(False))
-        stayed = state._replace(k=state.k + 1, stalled=jnp.asarray(True))
+        accepted = (value < last.value) | is_level(value, grad_norm, last.value, last.grad_norm)
+        moved = Progress(new, value, grad_norm, last.num_steps + 1, jnp.asarray(False))
+        stayed = last._replace(num_steps=last.num_steps + 1, stalled=jnp.asarray(True))
         return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), moved, stayed)
 
-    def finish(state: State) -> Minimum:
-        z, value, grad_norm, k, stalled = state
-        return Minimum(z, value, grad_norm, k, ending(grad_norm, tol, value, stalled))
-
-    return Solver(init, going, round_, finish)
+    return solver_of(init, round_, lambda last: last, max_steps=max_steps, tol=tol)

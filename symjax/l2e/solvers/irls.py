@@ -9,8 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.criterion import Expansion, reweighted
 from symjax.l2e.solvers import small_eigh
-from symjax.l2e.solvers.base import Minimum, Solver, ending, norm
-from symjax.l2e.solvers.newton import ROUNDING
+from symjax.l2e.solvers.base import Progress, Solver, is_level, norm, solver_of
 
 
 class State(NamedTuple):
@@ -37,22 +36,16 @@ def reweighting(
     def init(start: Float[Array, "d"]) -> State:
         return State(expand(start), jnp.asarray(0), jnp.asarray(False))
 
-    def going(state: State) -> Bool[Array, ""]:
-        far = jnp.isfinite(state.at.value) & (norm(state.at.gradient) > tol)
-        return far & (state.k < max_steps) & ~state.stalled
-
     def step(state: State) -> State:
         at = state.at
         new = expand(reweighted(at, *small_eigh.eigh(at.scatter)))
-        rounding = ROUNDING * jnp.finfo(at.value.dtype).eps * jnp.maximum(jnp.abs(at.value), 1)
-        level = (new.value <= at.value + rounding) & (norm(new.gradient) < norm(at.gradient))
+        level = is_level(new.value, norm(new.gradient), at.value, norm(at.gradient))
         accepted = (new.value < at.value) | level
         best = jax.tree.map(lambda a, b: jnp.where(accepted, a, b), new, at)
         return State(best, state.k + 1, ~accepted)
 
-    def finish(state: State) -> Minimum:
-        grad_norm = norm(state.at.gradient)
-        status = ending(grad_norm, tol, state.at.value, state.stalled)
-        return Minimum(state.at.point, state.at.value, grad_norm, state.k, status)
+    def progress(state: State) -> Progress:
+        at = state.at
+        return Progress(at.point, at.value, norm(at.gradient), state.k, state.stalled)
 
-    return Solver(init, going, step, finish)
+    return solver_of(init, step, progress, max_steps=max_steps, tol=tol)

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 from symjax.l2e.criterion import Expansion, reweighted
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.solvers import small_eigh
-from symjax.l2e.solvers.base import Minimum, Solver, ending, norm
+from symjax.l2e.solvers.base import Progress, Solver, is_level, norm, solver_of
 
 FIRST_RADIUS = 0.5  # radians, and radii of the cloud
 MAX_RADIUS = 1.0
@@ -18,7 +18,6 @@ LEAST_CURVATURE = 1e-9  # of a direction: the trust region bounds the step anywa
 DECREASE = 1e-4  # share of the predicted decrease that a step must bring
 POOR, GOOD = 0.25, 0.75  # shares at which the trust region shrinks and grows
 FAR_SHARE = 0.25  # an MM step of this share of the Newton step is preferred where ψ curves down
-ROUNDING = 32.0  # units of rounding, of ψ or 1, within which two values are equal: exponents are sums of larger terms
 
 
 class State(NamedTuple):
@@ -58,10 +57,6 @@ def newton(
         at = expand(start)
         return State(at, jnp.full_like(at.value, FIRST_RADIUS), jnp.asarray(False), jnp.asarray(0), jnp.asarray(False))
 
-    def going(state: State) -> Bool[Array, ""]:
-        far = jnp.isfinite(state.at.value) & (norm(state.at.gradient) > tol)
-        return far & (state.k < max_steps) & ~state.stalled
-
     def step(state: State) -> State:
         at = state.at
         (values, vectors), least_squares = _eigen(at)
@@ -80,9 +75,7 @@ def newton(
 
         decrease = at.value - new.value
         enough = (decrease > 0) & (decrease >= jnp.where(reweight, 0, DECREASE * predicted))
-        rounding = ROUNDING * jnp.finfo(at.value.dtype).eps * jnp.maximum(jnp.abs(at.value), 1)
-        level = (jnp.abs(decrease) <= rounding) & (norm(new.gradient) < norm(at.gradient))
-        accepted = enough | level
+        accepted = enough | is_level(new.value, norm(new.gradient), at.value, norm(at.gradient))
 
         share = decrease / jnp.where(predicted > 0, predicted, 1)
         grown = jnp.where(share > GOOD, jnp.minimum(2 * state.radius, MAX_RADIUS), state.radius)
@@ -91,12 +84,11 @@ def newton(
         best = jax.tree.map(lambda a, b: jnp.where(accepted, a, b), new, at)
         return State(best, radius, ~accepted, state.k + 1, reweight & ~accepted)
 
-    def finish(state: State) -> Minimum:
-        grad_norm = norm(state.at.gradient)
-        status = ending(grad_norm, tol, state.at.value, state.stalled)
-        return Minimum(state.at.point, state.at.value, grad_norm, state.k, status)
+    def progress(state: State) -> Progress:
+        at = state.at
+        return Progress(at.point, at.value, norm(at.gradient), state.k, state.stalled)
 
-    return Solver(init, going, step, finish)
+    return solver_of(init, step, progress, max_steps=max_steps, tol=tol)
 
 
 def _eigen(at: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

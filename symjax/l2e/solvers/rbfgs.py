@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.manifolds import Manifold
-from symjax.l2e.solvers.base import Minimum, Solver, ending, norm, solve
+from symjax.l2e.solvers.base import Minimum, Progress, Solver, norm, solve, solver_of
 from symjax.l2e.solvers.line_search import Trial, armijo
 
 FIRST_STEP = 0.1  # radians: a longer first step, the Hessian unknown, leaps out of the start's basin
@@ -63,10 +63,6 @@ def riemannian_bfgs(
     """
     value_and_grad = jax.value_and_grad(fun)
 
-    def cond_fun(state: State) -> Bool[Array, ""]:
-        going = jnp.isfinite(state.f_k) & (norm(state.g_k) > tol)
-        return going & (state.k < max_steps) & ~state.stalled
-
     @jax.default_matmul_precision("highest")
     def body_fun(state: State) -> State:
         z_k, f_k, g_k, H_k, k, _ = state
@@ -107,12 +103,10 @@ def riemannian_bfgs(
         eye = jnp.eye(len(z0), dtype=z0.dtype)
         return State(z0, f_0, manifold.project(z0, g_0), eye, jnp.asarray(0), jnp.asarray(False))
 
-    def finish(state: State) -> Minimum:
-        grad_norm = norm(state.g_k)
-        status = ending(grad_norm, tol, state.f_k, state.stalled)
-        return Minimum(state.z_k, state.f_k, grad_norm, state.k, status)
+    def progress(state: State) -> Progress:
+        return Progress(state.z_k, state.f_k, norm(state.g_k), state.k, state.stalled)
 
-    return Solver(init, cond_fun, body_fun, finish)
+    return solver_of(init, body_fun, progress, max_steps=max_steps, tol=tol)
 
 
 @jax.default_matmul_precision("highest")

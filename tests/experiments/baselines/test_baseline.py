@@ -10,7 +10,10 @@ from experiments.baselines.baseline import Baseline, as_given
 from experiments.baselines.hruda import Hruda
 from experiments.baselines.registry import ENTRIES, PEER
 from experiments.data.cases import made
+from experiments.metrics.ranking import Ranking
+from symjax.errors import MethodError
 from symjax.method.protocol import Method
+from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import prepare
 
 BASELINES = {name: entry for name, entry in ENTRIES.items() if isinstance(entry.method, Baseline)}
@@ -58,6 +61,19 @@ def test_a_baseline_is_a_method_like_any_other(boat):
     assert found.method == "hruda"
     assert found.plane.angle(boat.planes[0]) < 5
     assert len(found.used) == len(boat.points)
+
+
+def test_a_baseline_that_ranks_nothing_is_named_in_the_error(boat, rng):
+    class Empty(Baseline):
+        name = "empty"
+        several = True
+
+        def rank(self, points, rng):
+            return Ranking(np.empty((0, 3)), np.empty(0), np.empty(0))
+
+    assert Empty().find(prepare(boat.points), max_planes=9, rng=rng, timer=StageTimer()).symmetry == "none"
+    with pytest.raises(MethodError, match="'empty' returned no candidate"):
+        symjax.detect(boat.points, Empty())
 
 
 def test_a_baseline_sees_the_points_as_they_were_given(boat, rng):

@@ -3,6 +3,7 @@
 import pytest
 
 from symjax.datasets import MODELS, download
+from symjax.io.cache_folder import VARIABLE
 from tests.helpers.model_server import PRISM, Site, original
 
 
@@ -19,7 +20,7 @@ def site(monkeypatch):
 @pytest.fixture
 def cache(monkeypatch, tmp_path):
     """An empty cache folder."""
-    monkeypatch.setenv(download.CACHE, str(tmp_path / "cache"))
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 

@@ -10,6 +10,7 @@ import pytest
 from symjax import datasets
 from symjax.datasets import download
 from symjax.errors import FileFormatError, InvalidArgumentError
+from symjax.io.cache_folder import VARIABLE
 from tests.helpers.model_server import PRISM
 
 pytest.importorskip("pooch")
@@ -83,7 +84,7 @@ def test_a_silent_server_is_given_up(tent, site, cache, monkeypatch):
 
 def test_a_cache_that_cannot_be_written(tent, tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setenv(download.CACHE, str(tmp_path / "file" / "below"))
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "file" / "below"))
     with pytest.raises(FileFormatError, match=r"cannot fetch 'tent': .*file"):
         datasets.load("tent")
 

@@ -1,0 +1,15 @@
+"""One variable names the folder of downloads and compiled programs; without it, it is in the user's cache folder."""
+
+from pathlib import Path
+
+from symjax.io.cache_folder import VARIABLE, cache_folder
+
+
+def test_the_folder_is_the_named_one_or_in_the_users_cache(monkeypatch):
+    monkeypatch.setenv(VARIABLE, "~/models")
+    assert cache_folder() == Path.home() / "models"
+    monkeypatch.setenv(VARIABLE, "")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/caches")
+    assert cache_folder() == Path("/caches/symjax")
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert cache_folder() == Path.home() / ".cache" / "symjax"
