@@ -10,6 +10,7 @@ enough either: it fails on objects widest across their mirror, and with clutter 
 """
 
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import jax
@@ -53,13 +54,7 @@ SIZES = {"full": Config(), "small": Config(shares=(0.0, 0.65, 0.8), trials=3, nu
 
 def run(config: Config) -> list[Row]:
     """One row a method and cloud."""
-    cases = [
-        (place, blob, share, trial)
-        for place in PLACES
-        for blob in config.blobs
-        for share in config.shares
-        for trial in range(config.trials)
-    ]
+    cases = list(product(PLACES, config.blobs, config.shares, range(config.trials)))
     rows = []
     with jax.enable_x64(True):
         for place, blob, share, trial in tqdm(cases, disable=None):

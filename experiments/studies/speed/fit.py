@@ -97,22 +97,16 @@ def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
     constant, factor = (4 * np.pi * config.sigma**2) ** -1.5, 2 * (2 * np.pi * config.sigma**2) ** -1.5
     log_f = {name: float(np.log((constant - np.ravel(fit().loss)[0]) / factor)) for name, fit in fits.items()}
     log_f |= {name: 1 - float(run() / sigma**2) for name, run in lowest.items()}
-    rows = []
-    for name, times in seconds.items():
-        slower, quartiles = ratio(times, seconds[OURS])
-        rows.append(
-            {
-                "pairs": num_pairs,
-                "solver": name,
-                "starts": 1 if name == OURS else config.restarts,
-                "ms": float(np.median(times)) * 1e3,
-                "x fit_global": slower,
-                "quartiles": quartiles,
-                "log f above it": log_f[name] - log_f[OURS],
-                "target": TARGETS.get((name, num_pairs), ""),
-            }
-        )
-    return rows
+    return [
+        {
+            **{"pairs": num_pairs, "solver": name, "starts": 1 if name == OURS else config.restarts},
+            "ms": float(np.median(times)) * 1e3,
+            **dict(zip(("x fit_global", "quartiles"), ratio(times, seconds[OURS]), strict=True)),
+            "log f above it": log_f[name] - log_f[OURS],
+            "target": TARGETS.get((name, num_pairs), ""),
+        }
+        for name, times in seconds.items()
+    ]
 
 
 STUDY = Study("speed_fit", __doc__, SIZES, run, data=PLANTED)

@@ -56,19 +56,10 @@ def run(config: Config) -> list[Row]:
             seconds = interleaved(cases, config.repeats)
             cells = config.num_pairs * config.planes
             for name, times in seconds.items():
-                over_exp = ratio(times, seconds["exp alone"])
-                naive = ratio(seconds["naive"], times)
-                rows.append(
-                    {
-                        "precision": dtype,
-                        "case": name,
-                        "ns a pair and plane": float(np.median(times)) * 1e9 / cells,
-                        "x exp alone": over_exp[0],
-                        "quartiles of that": over_exp[1],
-                        "times faster than naive": naive[0],
-                        "quartiles": naive[1],
-                    }
-                )
+                row = {"precision": dtype, "case": name, "ns a pair and plane": float(np.median(times)) * 1e9 / cells}
+                over_exp, naive = ratio(times, seconds["exp alone"]), ratio(seconds["naive"], times)
+                row |= dict(zip(("x exp alone", "quartiles of that"), over_exp, strict=True))
+                rows.append(row | dict(zip(("times faster than naive", "quartiles"), naive, strict=True)))
     return rows
 
 

@@ -15,8 +15,7 @@ from experiments.data.descriptions import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
-from experiments.studies.speed.devices import Devices
-from experiments.studies.speed.random_starts import planted, random_starts
+from experiments.studies.speed.random_starts import Devices, planted, random_starts
 from symjax.l2e.fit import best
 from symjax.l2e.manifolds import random_points
 from symjax.l2e.solvers.batched import NUM_SLOTS

@@ -46,7 +46,7 @@ def test_every_study_says_what_it_shows_and_on_what_data_and_has_both_sizes():
 
 
 def test_no_study_is_a_command_of_its_own():
-    workers = {"studies/speed/memory.py", "execution/serving.py", "studies/speed/devices.py", "run.py"}
+    workers = {"studies/speed/memory.py", "execution/serving.py", "studies/speed/random_starts.py", "run.py"}
     folder = PROJECT / "experiments"
     commands = {path.relative_to(folder).as_posix() for path in folder.rglob("*.py") if "__main__" in path.read_text()}
     assert commands == workers
