@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from symjax.geometry import distance as metrics
     from symjax.geometry.plane import Plane
     from symjax.io.points import read_points
-    from symjax.l2e.compilation_cache import enable_compilation_cache
     from symjax.l2e.fit import Fit, best
     from symjax.l2e.fit_global import fit_global
     from symjax.l2e.fit_plane import fit_plane
+    from symjax.l2e.jax_config import enable_compilation_cache
     from symjax.l2e.objective import l2e_loss
     from symjax.l2e.standard_errors import StandardErrors, standard_errors
     from symjax.l2e.sweep import sweep, sweep_clouds
@@ -42,7 +42,7 @@ _HOME = {
     "SymHKS": "symjax.symhks.method",
     "best": "symjax.l2e.fit",
     "detect": "symjax.detection.detect",
-    "enable_compilation_cache": "symjax.l2e.compilation_cache",
+    "enable_compilation_cache": "symjax.l2e.jax_config",
     "fit_global": "symjax.l2e.fit_global",
     "fit_plane": "symjax.l2e.fit_plane",
     "l2e_loss": "symjax.l2e.objective",

@@ -15,7 +15,7 @@ def start_jax(*, cache: bool, all_cores: bool = False) -> None:
         InvalidArgumentError: the cache folder cannot be made.
     """
     from symjax.errors import InvalidArgumentError
-    from symjax.l2e.compilation_cache import enable_compilation_cache
+    from symjax.l2e.jax_config import enable_compilation_cache
 
     if all_cores:
         _use_all_cores()

@@ -11,11 +11,11 @@ from symjax.errors import InvalidArgumentError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.fit import FRACTION, Fit
+from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
-from symjax.l2e.precision import float64_as_given
 
 
 class StandardErrors(NamedTuple):

@@ -232,7 +232,7 @@ def test_progress_is_a_plain_line_a_stage_where_stderr_is_no_terminal(run, fake,
 
 def test_compiled_programs_are_kept_only_if_asked(run, fake, scan, monkeypatch):
     kept = []
-    monkeypatch.setattr("symjax.l2e.compilation_cache.enable_compilation_cache", lambda: kept.append(True))
+    monkeypatch.setattr("symjax.l2e.jax_config.enable_compilation_cache", lambda: kept.append(True))
     assert run("detect", scan)[0] == 0
     assert kept == []
     assert run("detect", scan, "--cache")[0] == 0

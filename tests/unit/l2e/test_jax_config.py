@@ -1,4 +1,8 @@
-"""float64 pairs are computed and answered in float64, whatever JAX's flags are; what is traced keeps its type."""
+"""float64 pairs are fitted in float64 under any flags, and what is traced keeps its type; and the compilation cache."""
+
+import os
+import subprocess
+import sys
 
 import jax
 import jax.numpy as jnp
@@ -15,6 +19,17 @@ from symjax.l2e.sweep import sweep, sweep_clouds
 
 SIGMA = 0.02
 EPS = np.finfo(np.float64).eps
+
+PROGRAM = """
+import sys, numpy as np, jax, symjax
+counts = []
+jax.monitoring.register_event_listener(lambda event, **_: counts.append(event))
+folder = symjax.enable_compilation_cache(sys.argv[1] if len(sys.argv) > 1 else None)
+rng = np.random.default_rng(0)
+x = rng.normal(size=(50, 3))
+symjax.fit_plane(x, x * [-1, 1, 1], 0.1, [1.0, 0.0, 0.0])
+print(folder, counts.count("/jax/compilation_cache/cache_hits"), counts.count("/jax/compilation_cache/cache_misses"))
+"""
 
 
 @pytest.fixture
@@ -99,3 +114,31 @@ def test_float32_jax_arrays_and_traced_pairs_keep_their_type(pairs):
         assert isinstance(fit.loss, jax.Array)
         assert fit.loss.dtype == fit.plane.normal.dtype == jnp.float32
     assert jax.grad(lambda sigma: fit_plane(pairs.x, pairs.y, sigma).loss)(SIGMA).dtype == jnp.float32
+
+
+def run(*arguments, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | environment,
+    )
+    folder, hits, misses = done.stdout.split()
+    return folder, int(hits), int(misses)
+
+
+def test_what_one_process_compiled_the_next_one_loads(tmp_path):
+    folder = tmp_path / "cache"
+    _, hits, misses = run(str(folder))
+    assert hits == 0
+    assert misses > 0
+    assert any(folder.iterdir())
+    assert run(str(folder)) == (str(folder), misses, 0)
+
+
+@pytest.mark.slow
+def test_the_folder_is_that_of_the_environment(tmp_path):
+    folder, _, _ = run(SYMJAX_CACHE=str(tmp_path / "named"))
+    assert folder == str(tmp_path / "named")
+    assert any((tmp_path / "named").iterdir())

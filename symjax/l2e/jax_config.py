@@ -1,13 +1,16 @@
-"""float64 pairs are computed in float64, whatever JAX's flags are."""
+"""JAX's configuration: float64 for pairs that are float64, and the persistent compilation cache."""
 
 import inspect
 from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+
+from symjax.io.cache_folder import cache_folder
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -49,3 +52,23 @@ def _is_traced(given: dict[str, Any]) -> bool:
     """Whether an argument is traced, or the call itself is: under jit even a constant is traced."""
     leaves = [*jax.tree.leaves(given), jnp.zeros(())]
     return any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
+
+
+def enable_compilation_cache(folder: str | Path | None = None) -> Path:
+    """Keeps compiled programs in a folder from now on, those that compile in no time among them.
+
+    A first fit compiles for seconds; in a later process it is loaded in a fraction of one. Nothing is kept unless
+    this is called: it changes JAX's configuration for the whole process.
+
+    Args:
+        folder: where; None is $SYMJAX_CACHE, or `symjax` in the user's cache folder.
+
+    Returns:
+        The folder, which is made.
+    """
+    path = cache_folder() if folder is None else Path(folder).expanduser()
+    path.mkdir(parents=True, exist_ok=True)
+    jax.config.update("jax_compilation_cache_dir", str(path))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    return path
