@@ -14,7 +14,7 @@ from symjax.l2e.manifolds import normalise
 from symjax.l2e.pairs.arguments import Sigma, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
-from symjax.l2e.precision import float64_as_given
+from symjax.l2e.pairs.precision import float64_as_given
 from symjax.l2e.solvers.base import Limits, solve
 from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver

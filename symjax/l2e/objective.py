@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from symjax.l2e.precision import float64_as_given
+from symjax.l2e.pairs.precision import float64_as_given
 
 Vector = Float[Array, "3"]
 Scalar = Float[Array, ""]

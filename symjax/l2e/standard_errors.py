@@ -15,7 +15,7 @@ from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
-from symjax.l2e.precision import float64_as_given
+from symjax.l2e.pairs.precision import float64_as_given
 
 
 class StandardErrors(NamedTuple):

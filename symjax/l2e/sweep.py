@@ -18,7 +18,7 @@ from symjax.l2e.manifolds import normalise, random_points
 from symjax.l2e.pairs.arguments import checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
-from symjax.l2e.precision import float64_as_given
+from symjax.l2e.pairs.precision import float64_as_given
 from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
 from symjax.l2e.solvers.batched import NUM_SLOTS, Make, solve_sharded
 from symjax.l2e.solvers.names import AnySolver
