@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
 from experiments.framework.options import chosen
 from experiments.framework.study import Study

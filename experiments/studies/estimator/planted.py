@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.data.planted_planes import METHODS, angle, planes
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

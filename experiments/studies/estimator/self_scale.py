@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from tqdm import trange
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import NOISE, planted_pairs

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 from tqdm import tqdm
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import PlantedPairs, planted_pairs

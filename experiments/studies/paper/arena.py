@@ -19,7 +19,7 @@ from experiments.comparison.curves import draw_precision_recall, draw_sweep, pre
 from experiments.comparison.leaderboard import MEASURES, OTHERS, leaderboard, pivot
 from experiments.comparison.plan import ALL, SMALL, Config, outcomes, place, sizes
 from experiments.comparison.shortcomings import shortcomings
-from experiments.data.descriptions import BENCHMARKS
+from experiments.data import BENCHMARKS
 from experiments.framework import figures
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, markdown

@@ -20,7 +20,7 @@ from tqdm import tqdm
 import symjax
 from experiments.baselines.registry import ENTRIES
 from experiments.comparison.attempt import attempt
-from experiments.data.descriptions import MADE
+from experiments.data import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

@@ -17,7 +17,7 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.data.planted_planes import METHODS, PLACES, angle, pairs, planes
 from experiments.framework import figures
 from experiments.framework.study import Study

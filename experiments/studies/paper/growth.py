@@ -21,8 +21,8 @@ from tqdm import tqdm
 from experiments.baselines.registry import ALL, BY_SIZE, ENTRIES, OURS, baseline, usable
 from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.comparison.published import SECONDS
+from experiments.data import MADE
 from experiments.data.cases import made
-from experiments.data.descriptions import MADE
 from experiments.execution.limits import Limits
 from experiments.execution.task import Task
 from experiments.execution.worker import Worker

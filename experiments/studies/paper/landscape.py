@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.data.planted_planes import METHODS, PLACES, angle, pairs, planes
 from experiments.framework import figures
 from experiments.framework.study import Study

@@ -22,10 +22,9 @@ from tqdm import tqdm
 import symjax
 from experiments.baselines.frame import framed
 from experiments.baselines.three_d_symm import ThreeDSymm, alternate, nearest
-from experiments.data import corruptions
+from experiments.data import SINGLE, corruptions
 from experiments.data.cases import generated, kinds_of
 from experiments.data.corruptions import Trial
-from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study

@@ -14,7 +14,7 @@ from experiments.comparison import plan, published
 from experiments.comparison.curves import SWEEPS, draw_precision_recall, draw_sweep, precision_recall
 from experiments.comparison.leaderboard import DEGREES, leaderboard, pivot
 from experiments.comparison.plan import Config, outcomes
-from experiments.data.descriptions import BENCHMARKS
+from experiments.data import BENCHMARKS
 from experiments.framework import figures
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

@@ -16,10 +16,9 @@ from jaxtyping import Bool, Float
 from tqdm import tqdm
 
 from experiments.baselines.registry import ENTRIES, OURS
-from experiments.data import corruptions
+from experiments.data import WITH_REAL, corruptions
 from experiments.data.cases import MODELS, Case, generated, kinds_of, real
 from experiments.data.corruptions import Trial
-from experiments.data.descriptions import WITH_REAL
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

@@ -11,8 +11,8 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.baselines.registry import ENTRIES, OURS
+from experiments.data import SINGLE
 from experiments.data.cases import kinds_of, made
-from experiments.data.descriptions import SINGLE
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE

@@ -10,8 +10,8 @@ from jaxtyping import Float, Int
 from tqdm import tqdm
 
 import symjax
+from experiments.data import MADE
 from experiments.data.cases import generated
-from experiments.data.descriptions import MADE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

@@ -17,10 +17,9 @@ from tqdm import tqdm
 from experiments.baselines.registry import ENTRIES, OURS, PEER, usable
 from experiments.comparison import published
 from experiments.comparison.attempt import attempt
-from experiments.data import corruptions
+from experiments.data import WITH_REAL, corruptions
 from experiments.data.cases import MODELS, generated, kinds_of, real
 from experiments.data.corruptions import Trial
-from experiments.data.descriptions import WITH_REAL
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

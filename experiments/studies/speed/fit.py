@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from experiments.data.descriptions import PLANTED
+from experiments.data import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
 from experiments.framework.study import Study
 from experiments.framework.tables import Row

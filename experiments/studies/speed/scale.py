@@ -12,7 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 import symjax
-from experiments.data.descriptions import SINGLE
+from experiments.data import SINGLE
 from experiments.framework.options import chosen
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped

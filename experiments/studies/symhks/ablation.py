@@ -16,10 +16,9 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.baselines.registry import Entry
-from experiments.data import corruptions
+from experiments.data import SINGLE, corruptions
 from experiments.data.cases import Case, generated, kinds_of
 from experiments.data.corruptions import Trial
-from experiments.data.descriptions import SINGLE
 from experiments.framework import figures
 from experiments.framework.options import chosen
 from experiments.framework.study import Study

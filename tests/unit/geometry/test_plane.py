@@ -39,6 +39,13 @@ def test_matrix_is_the_reflection_with_determinant_minus_one(rng, xp):
 
 @pytest.mark.any_precision
 @pytest.mark.parametrize("xp", [np, jnp], ids=["numpy", "jax"])
+def test_directions_are_mirrored_as_differences_of_points(rng, xp):
+    plane, points = Plane(*map(xp.asarray, planes(rng))), xp.asarray(rng.normal(size=(2, 10, 3)))
+    apart = plane.reflect(points[1]) - plane.reflect(points[0])
+    np.testing.assert_allclose(plane.reflect_directions(points[1] - points[0]), apart, atol=1e-12)
+
+
+@pytest.mark.parametrize("xp", [np, jnp], ids=["numpy", "jax"])
 def test_canonical_sign_is_the_same_for_both_orientations(rng, xp):
     plane = Plane(*map(xp.asarray, planes(rng)))
     a, b = plane.canonical(), Plane(-plane.normal, -plane.offset).canonical()
