@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from symjax.geometry.arrays import AnyArray
 from symjax.geometry.plane import Plane
@@ -102,7 +102,7 @@ def best(fits: Fit) -> Fit:
     index = xp.argmin(xp.where(candidate, loss, xp.inf), axis=-1)
     axis = fits.loss.ndim - 1
 
-    def pick(leaf: Array) -> Array:
+    def pick(leaf: AnyArray) -> AnyArray:
         where = index.reshape(*index.shape, *[1] * (leaf.ndim - axis))
         return xp.squeeze(xp.take_along_axis(leaf, where, axis=axis), axis=axis)
 
