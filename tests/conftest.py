@@ -7,6 +7,8 @@ import jax
 import numpy as np
 import pytest
 
+from tests.helpers import shape_checks
+
 MOST_MAPS = 30_000
 """Memory maps at which compiled programs are dropped: each has some ten, Linux allows 65 530, and the compiler crashes
 where it gets no more."""
@@ -21,6 +23,7 @@ CORE_PACKAGES = ("datasets", "detection", "geometry", "io", "preprocess", "viz")
 
 def pytest_addoption(parser):
     parser.addoption("--default-flags", action="store_true", help="leave JAX's flags alone (with -m any_precision)")
+    parser.addoption("--check-shapes", action="store_true", help="check every annotation of symjax at every call")
 
 
 def pytest_configure(config):
@@ -28,6 +31,8 @@ def pytest_configure(config):
     jax.config.update("jax_numpy_dtype_promotion", "strict")
     if not config.getoption("--default-flags"):
         jax.config.update("jax_enable_x64", True)
+    if config.getoption("--check-shapes"):  # before any test imports symjax
+        shape_checks.install()
 
 
 def pytest_collection_modifyitems(items):

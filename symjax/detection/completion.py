@@ -26,6 +26,6 @@ def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] 
     return finite
 
 
-def complete(points: Float[np.ndarray, "n 3"], plane: Plane) -> Float[np.ndarray, "2n 3"]:
+def complete(points: Float[np.ndarray, "n 3"], plane: Plane) -> Float[np.ndarray, "2*n 3"]:
     """The completed object P ∪ Q of the paper, Sec. 5.6: the points, then their mirror images."""
     return np.concatenate([points, np.asarray(plane.reflect(points))])

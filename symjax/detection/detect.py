@@ -30,11 +30,11 @@ MAX_PLANES = 9
 
 
 def detect(
-    points: Float[ArrayLike, "n 3"] | str | os.PathLike[str],
+    points: ArrayLike | str | os.PathLike[str],
     method: str | Method = "robust",
     *,
-    normals: Float[ArrayLike, "n 3"] | None = None,
-    rng: int | np.random.Generator = 0,
+    normals: ArrayLike | None = None,
+    rng: int | np.integer | np.random.Generator = 0,
     nonfinite: Literal["raise", "drop"] = "raise",
     max_points: int = MAX_POINTS,
     drop_outliers: bool | None = None,
@@ -112,7 +112,7 @@ def method_of(method: str | Method) -> Method:
     return method
 
 
-def _seeded(rng: int | np.random.Generator) -> tuple[int | None, np.random.Generator]:
+def _seeded(rng: int | np.integer | np.random.Generator) -> tuple[int | None, np.random.Generator]:
     """The seed, None for a generator; and the generator."""
     if isinstance(rng, np.random.Generator):
         return None, rng

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from symjax.detection.result import Detection, Pairs
@@ -17,7 +16,7 @@ from symjax.geometry.uncertainty import Uncertainty
 from symjax.method.result import Candidate
 
 
-def load(path: str | os.PathLike[str], *, points: Float[ArrayLike, "n 3"] | None = None) -> Detection:
+def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> Detection:
     """Reads what `Detection.save` wrote.
 
     Args:

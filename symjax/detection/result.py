@@ -103,11 +103,11 @@ class Detection:
         """Number of points used."""
         return len(self.used)
 
-    def mirror(self, points: Float[ArrayLike, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    def mirror(self, points: ArrayLike) -> Float[np.ndarray, "n 3"]:
         """Mirror images of points in the plane."""
         return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
 
-    def on_surface(self, points: Float[ArrayLike, "n 3"] | None = None) -> Bool[np.ndarray, "n"]:
+    def on_surface(self, points: ArrayLike | None = None) -> Bool[np.ndarray, "n"]:
         """Which points belong to the object: the finite ones, near those used if outliers or a ground were left out.
 
         Args:
@@ -119,7 +119,7 @@ class Detection:
         points = self._given(points)
         return completion.on_surface(points, self._given(None)[self.used] if self.cleaned else None)
 
-    def complete(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "2n 3"]:
+    def complete(self, points: ArrayLike | None = None) -> Float[np.ndarray, "m 3"]:
         """The completed object P ∪ Q (Sec. 5.6): the points and their mirror images.
 
         Args:
@@ -132,7 +132,7 @@ class Detection:
             points = self._given(None)[self.on_surface()]
         return completion.complete(np.asarray(points, dtype=float), self.plane)
 
-    def asymmetry(self, points: Float[ArrayLike, "n 3"] | None = None) -> Float[np.ndarray, "n"]:
+    def asymmetry(self, points: ArrayLike | None = None) -> Float[np.ndarray, "n"]:
         """The asymmetry map: signed distance of every point's mirror image from the surface, in the points' units.
 
         Positive where the image lies outside, on the side that faces away from the middle of the cloud. The surface is
@@ -151,7 +151,7 @@ class Detection:
 
         return asymmetry(self._given(points), self.plane, self._given(None)[self.used])
 
-    def _given(self, points: Float[ArrayLike, "n 3"] | None) -> Float[np.ndarray, "n 3"]:
+    def _given(self, points: ArrayLike | None) -> Float[np.ndarray, "n 3"]:
         points = self.points if points is None else points
         if points is None:
             raise InvalidArgumentError("this detection was loaded without its points: pass them")

@@ -28,7 +28,7 @@ def fibonacci(num: int, *, half: bool = True) -> Float[np.ndarray, "num 3"]:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
 
 
-def deviation_angle(a: Float[AnyArray, "*batch 3"], b: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch"]:
+def deviation_angle(a: Float[AnyArray, "*#batch 3"], b: Float[AnyArray, "*#batch 3"]) -> Float[AnyArray, "*#batch"]:
     """Angle between two plane normals, signs ignored.
 
     By atan2(‖a × b‖, |a · b|): arccos has an infinite slope at aligned normals and cannot tell 0.01° from 0°

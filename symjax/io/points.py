@@ -48,7 +48,7 @@ class PointFile(NamedTuple):
 
 
 def read_points(
-    path: str | os.PathLike[str], *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Generator = 0
+    path: str | os.PathLike[str], *, num_samples: int = NUM_SAMPLES, rng: int | np.integer | np.random.Generator = 0
 ) -> PointFile:
     """Read a point cloud, or sample one from a mesh.
 

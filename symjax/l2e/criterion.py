@@ -116,7 +116,7 @@ def reweighted(at: Expansion, values: Float[Array, "3"], vectors: Float[Array, "
 
 
 def _mean_slopes(
-    v: Float[Array, "3"], omega: Float[Array, ""], mean: Float[Array, "10"]
+    v: Float[Array, "3"], omega: Float[Array, ""], mean: Float[Array, "k"]
 ) -> tuple[Float[Array, "3"], Float[Array, ""]]:
     """Derivatives of E[f]/4 = vᵀMv − 2ω v·m + ω² + E‖h‖², at fixed weights, in v and ω; `mean` is that of φ."""
     m = -0.5 * mean[6:9]

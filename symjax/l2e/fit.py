@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from symjax.geometry.arrays import AnyArray
 from symjax.geometry.plane import Plane
 from symjax.l2e.features import coefficients, feature_rows
 from symjax.l2e.implicit import implicit_minimum
@@ -47,17 +48,17 @@ class Fit(NamedTuple):
     """
 
     plane: Plane
-    loss: Float[Array, "*batch"]
-    status: Int[Array, "*batch"]
-    num_steps: Int[Array, "*batch"]
-    grad_norm: Float[Array, "*batch"]
-    sigma: Float[Array, "*batch"]
-    inlier_fraction: Float[Array, "*batch"]
-    sigma_estimated: Bool[Array, "*batch"]
+    loss: Float[AnyArray, "*batch"]
+    status: Int[AnyArray, "*batch"]
+    num_steps: Int[AnyArray, "*batch"]
+    grad_norm: Float[AnyArray, "*batch"]
+    sigma: Float[AnyArray, "*batch"]
+    inlier_fraction: Float[AnyArray, "*batch"]
+    sigma_estimated: Bool[AnyArray, "*batch"]
     start: Plane | None
 
     @property
-    def converged(self) -> Bool[Array, "*batch"]:
+    def converged(self) -> Bool[AnyArray, "*batch"]:
         """Whether the gradient is within tol and some pair supports the plane."""
         return self.status == Status.SUCCESSFUL.value
 
@@ -101,7 +102,7 @@ def best(fits: Fit) -> Fit:
     index = xp.argmin(xp.where(candidate, loss, xp.inf), axis=-1)
     axis = fits.loss.ndim - 1
 
-    def pick(leaf: Array) -> Array:
+    def pick(leaf: AnyArray) -> AnyArray:
         where = index.reshape(*index.shape, *[1] * (leaf.ndim - axis))
         return xp.squeeze(xp.take_along_axis(leaf, where, axis=axis), axis=axis)
 

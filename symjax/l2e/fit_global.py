@@ -4,14 +4,14 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
 from symjax.geometry.checks import whole
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
-from symjax.l2e.pairs.arguments import Sigma, checked_sigma
+from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_sigma
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, solve
@@ -58,11 +58,11 @@ def _fit_global(
 
 @float64_as_given
 def fit_global(
-    x: Float[ArrayLike, "n 3"],
-    y: Float[ArrayLike, "n 3"],
+    x: Points,
+    y: Points,
     sigma: Sigma,
     *,
-    weights: Float[ArrayLike, "n"] | None = None,
+    weights: Weights | None = None,
     num_hypotheses: int = NUM_HYPOTHESES,
     num_refined: int = NUM_KEPT,
     max_steps: int = MAX_STEPS,

@@ -1,18 +1,20 @@
 """The mirror plane of putative pairs from one start."""
 
+from collections.abc import Sequence
 from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float, Real
 
+from symjax.geometry.arrays import AnyArray
 from symjax.geometry.checks import choice
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import normalise
-from symjax.l2e.pairs.arguments import Sigma, checked_normals, checked_sigma
+from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, solve
@@ -52,12 +54,12 @@ def _fit_plane(
 
 @float64_as_given
 def fit_plane(
-    x: Float[ArrayLike, "n 3"],
-    y: Float[ArrayLike, "n 3"],
+    x: Points,
+    y: Points,
     sigma: Sigma,
-    v0: Float[ArrayLike, "3"] | str | None = None,
+    v0: Real[AnyArray, "3"] | Sequence[float] | str | None = None,
     *,
-    weights: Float[ArrayLike, "n"] | None = None,
+    weights: Weights | None = None,
     solver: AnySolver = "newton",
     max_steps: int = MAX_STEPS,
     tol: float | None = None,

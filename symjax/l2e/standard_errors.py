@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
 from symjax.errors import InvalidArgumentError
 from symjax.geometry.plane import Plane
@@ -14,6 +14,7 @@ from symjax.l2e.fit import FRACTION, Fit
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
+from symjax.l2e.pairs.arguments import Points, Weights
 from symjax.l2e.pairs.normalized import normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 
@@ -35,10 +36,10 @@ class StandardErrors(NamedTuple):
 @float64_as_given
 def standard_errors(
     fit: Fit,
-    x: Float[ArrayLike, "n 3"],
-    y: Float[ArrayLike, "n 3"],
+    x: Points,
+    y: Points,
     *,
-    weights: Float[ArrayLike, "n"] | None = None,
+    weights: Weights | None = None,
 ) -> StandardErrors:
     """Standard errors of a fit by the sandwich formula A⁻¹BA⁻¹ of M-estimators (Godambe).
 

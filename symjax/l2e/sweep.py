@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, ArrayLike, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Float, Int, PRNGKeyArray, Real
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.arrays import AnyArray
 from symjax.geometry.checks import choice, flag, whole
 from symjax.geometry.directions import fibonacci
 from symjax.l2e.criterion import Criterion
@@ -16,7 +17,7 @@ from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import normalise, random_points
-from symjax.l2e.pairs.arguments import checked_normals, checked_sigmas
+from symjax.l2e.pairs.arguments import Points, Weights, checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
@@ -119,14 +120,14 @@ def _continuation(
 
 @float64_as_given
 def sweep(
-    x: Float[ArrayLike, "n 3"],
-    y: Float[ArrayLike, "n 3"],
-    sigmas: Float[ArrayLike, "S"] | Sequence[float],
-    v0s: Float[ArrayLike, "R 3"] | str = "hypotheses",
+    x: Points,
+    y: Points,
+    sigmas: Real[AnyArray, "S"] | Sequence[float],
+    v0s: Real[AnyArray, "R 3"] | Sequence[Sequence[float]] | str = "hypotheses",
     *,
     restarts: int = RESTARTS,
     key: PRNGKeyArray | None = None,
-    weights: Float[ArrayLike, "n"] | None = None,
+    weights: Weights | None = None,
     solver: AnySolver = "newton",
     continuation: bool = False,
     max_steps: int = MAX_STEPS,
@@ -181,9 +182,7 @@ def _named_normals(
     return random_points(key, restarts).astype(dtype) if key is not None else None
 
 
-def sweep_clouds(
-    clouds: Iterable[tuple[Float[ArrayLike, "n 3"], Float[ArrayLike, "n 3"]]], *args: Any, **options: Any
-) -> Fit:
+def sweep_clouds(clouds: Iterable[tuple[Points, Points]], *args: Any, **options: Any) -> Fit:
     """`sweep` for the pairs of many clouds, of any sizes: few of those are compiled.
 
     Args:

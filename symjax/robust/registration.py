@@ -44,7 +44,7 @@ class Probes(NamedTuple):
     weight: Float[Array, "m"]
 
 
-def _dot(a: Float[Array, "*n 3"], b: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
+def _dot(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n"]:
     """Products of rows, component by component.
 
     A sum over an axis of length 3 inside vmap is compiled wrongly by jaxlib 0.10 on some CPUs (the batch's last rows
@@ -66,7 +66,7 @@ def _mirrored(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) 
     height = _dot(probes.x, v[None, :]) - omega
     image = probes.x - 2 * height[:, None] * v[None, :]
     at = jnp.clip(((image - grid.origin[None, :]) / grid.cell).astype(jnp.int32), 0, SIZE - 1)
-    index: Int[Array, m] = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
+    index: Int[Array, " m"] = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
     normal = grid.normal[index]
     cosine = jnp.ones_like(height)
     if use_normals:

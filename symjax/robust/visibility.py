@@ -157,7 +157,7 @@ def _visible_share(
     behind = depth[order] - depth[front] > 1.5 * pixel
     offset = points[order] - points[front]
     heights = [np.abs((offset * normals[rows]).sum(axis=1)) for rows in (front, order)]
-    hidden: Bool[np.ndarray, n] = behind & (np.minimum(*heights) > 0.5 * pixel)
+    hidden: Bool[np.ndarray, " n"] = behind & (np.minimum(*heights) > 0.5 * pixel)
     return 1.0 - float(hidden.mean())
 
 

@@ -7,7 +7,7 @@ of q edges in a general graph, whose relaxation is not: an integer program, for 
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Real
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
@@ -26,7 +26,7 @@ among many equal costs."""
 
 
 def sign_penalty_cost(
-    signatures: Float[np.ndarray, "a p"], signs: Float[np.ndarray, "a s"], *, penalty: float = SIGN_PENALTY
+    signatures: Float[np.ndarray, "a p"], signs: Real[np.ndarray, "a s"], *, penalty: float = SIGN_PENALTY
 ) -> Float[np.ndarray, "a a"]:
     """The paper's a_ij = ‖h_i − h_j‖₂ + ψ(‖s_i − s_j‖₂), with ψ(0) = b and ψ(t) = 0 for t > 0.
 

@@ -1,7 +1,7 @@
 """What can be drawn: a cloud with a plane and pairs, such as the answer of `symjax.detect`."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from symjax.geometry.plane import Plane
 
 
+@runtime_checkable
 class DrawablePairs(Protocol):
     """Matched points: both ends, in the units of the cloud, and how well each pair agrees with the plane, 0 to 1."""
 
@@ -25,6 +26,7 @@ class DrawablePairs(Protocol):
         """Agreement of every pair with the plane."""
 
 
+@runtime_checkable
 class DrawableCandidate(Protocol):
     """A plane and its score."""
 
@@ -37,6 +39,7 @@ class DrawableCandidate(Protocol):
         """How well the cloud agrees with it, on the method's scale."""
 
 
+@runtime_checkable
 class Drawable(Protocol):
     """A cloud, its mirror plane, and how far to trust it; `symjax.Detection` is one."""
 

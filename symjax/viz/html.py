@@ -1,6 +1,7 @@
 """An interactive page of a detection: the cloud with its plane and pairs, and the completed object."""
 
 import os
+from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +61,7 @@ def write_html(
     *,
     title: str = "symjax",
     max_points: int = MAX_POINTS,
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
 ) -> None:
     """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
 
@@ -87,7 +88,9 @@ def write_html(
     )
 
 
-def figure(detection: Drawable, *, max_points: int = MAX_POINTS, up: Float[np.ndarray, "3"] | None = None) -> "Figure":
+def figure(
+    detection: Drawable, *, max_points: int = MAX_POINTS, up: Sequence[float] | Float[np.ndarray, "3"] | None = None
+) -> "Figure":
     """A plotly figure of two views: cloud, plane and pairs; and the cloud with its mirror image.
 
     Pairs that agree with the plane, those of the answer's inlier weight or more, are red, their ends the redder the

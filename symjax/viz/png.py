@@ -4,6 +4,7 @@ Drawn with Pillow and NumPy alone.
 """
 
 import os
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -61,7 +62,7 @@ def write_png(
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] = (1500, 750),
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
 ) -> None:
     """Write the picture of a detection: cloud, plane and pairs on the left, the completed cloud on the right.
 
@@ -85,7 +86,10 @@ def write_png(
 
 
 def draw(
-    detection: Drawable, *, size: tuple[int, int] = (1500, 750), up: Float[np.ndarray, "3"] | None = None
+    detection: Drawable,
+    *,
+    size: tuple[int, int] = (1500, 750),
+    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
 ) -> Image.Image:
     """The picture as a Pillow image; arguments and errors as for `write_png`."""
     if size[0] < SMALLEST_SIZE[0] or size[1] < SMALLEST_SIZE[1]:

@@ -1,5 +1,6 @@
 """What the page and the picture of a detection share: view, plane's quad, pairs, headline."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -79,7 +80,7 @@ def build(
     *,
     max_points: int,
     max_pairs: int,
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
 ) -> Scene:
     """Thin, centre and frame a detection.
 
@@ -180,7 +181,7 @@ def _moved(plane: Plane, origin: Float[np.ndarray, "3"]) -> Plane:
 
 
 def _axes_within(
-    plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Float[np.ndarray, "3"] | None
+    plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Sequence[float] | Float[np.ndarray, "3"] | None
 ) -> Float[np.ndarray, "2 3"]:
     """Axes of the plane along the cloud's shortest and longest spread in it, or across and along `up`."""
     if up is not None:

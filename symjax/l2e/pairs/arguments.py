@@ -4,14 +4,14 @@ Shapes and types are always checked. Values are checked where they are known: an
 (under jit, vmap or grad) passes. What lies on a device is looked at there: only the count of bad rows comes back.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Bool, Float, Int
+from jaxtyping import Array, ArrayLike, Bool, Float, Int, Real, Shaped
 
 from symjax.errors import InvalidArgumentError, InvalidPointsError, NonfiniteError, TooFewPointsError
 from symjax.geometry.arrays import AnyArray
@@ -22,7 +22,13 @@ AUTO = "auto"
 
 AnyPairs = Float[AnyArray, "n 3"]
 
-Sigma = Float[ArrayLike, ""] | str
+Points = Real[AnyArray, "n 3"] | Sequence[Sequence[float]]
+"""One end of the pairs, as given."""
+
+Weights = Shaped[AnyArray, "n"] | Sequence[float]
+"""A weight of every pair, or whether it is used."""
+
+Sigma = Real[ArrayLike, ""] | str
 """σ, or "auto" for σ estimated with the plane."""
 
 
@@ -87,7 +93,7 @@ def _bad(is_bad: IsBad, rows: AnyArray) -> tuple[int, int]:
     return int(bad.sum()), int(bad.argmax())
 
 
-def checked_pairs(x: ArrayLike, y: ArrayLike) -> tuple[AnyPairs, AnyPairs]:
+def checked_pairs(x: Points, y: Points) -> tuple[AnyPairs, AnyPairs]:
     """The two ends of the pairs as arrays of one floating type.
 
     Raises:
@@ -128,7 +134,7 @@ def _floating(*dtypes: Any) -> Any:
     return jax.dtypes.canonicalize_dtype(np.float64 if wide else np.float32)
 
 
-def checked_weights(weights: ArrayLike | None, num: int, dtype: Any) -> Float[AnyArray, "n"]:
+def checked_weights(weights: Weights | None, num: int, dtype: Any) -> Float[AnyArray, "n"]:
     """The pairs' weights; ones for None.
 
     Raises:
@@ -179,7 +185,7 @@ def checked_sigmas(sigmas: Any, ndim: int, dtype: Any) -> Float[Array, "*s"]:
     return jnp.asarray(array, dtype)
 
 
-def checked_normals(normals: ArrayLike, ndim: int, dtype: Any) -> Float[Array, "*r 3"]:
+def checked_normals(normals: Real[AnyArray, "*r 3"] | Sequence[Any], ndim: int, dtype: Any) -> Float[Array, "*r 3"]:
     """Starting normals, one (ndim 1) or a row of them (ndim 2).
 
     Raises:

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float, Int
+from jaxtyping import Array, Float, Int
 
-from symjax.l2e.pairs.arguments import checked_pairs, checked_weights
+from symjax.l2e.pairs.arguments import Points, Weights, checked_pairs, checked_weights
 
 LEAST_SIZE = 256
 """Pairs are padded to this or the next power of two."""
@@ -34,7 +34,7 @@ def padded_size(num: int, least: int = LEAST_SIZE) -> int:
     return max(least, 1 << (num - 1).bit_length())
 
 
-def pad_pairs(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None) -> PaddedPairs:
+def pad_pairs(x: Points, y: Points, weights: Weights | None) -> PaddedPairs:
     """Checks pairs and pads them.
 
     What lies on the host is padded in NumPy, and stays there until a compiled function takes it: JAX would compile the

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 Entries: TypeAlias = list[list[Float[Array, ""]]]
 
@@ -38,7 +38,7 @@ def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, "k"], Float[Array, "
     """Eigenvalues, in no order, and the eigenvectors in columns, of a small symmetric matrix."""
     size = len(matrix)
 
-    def sweep(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
+    def sweep(_: Int[Array, ""], state: tuple[Array, Array]) -> tuple[Array, Array]:
         a, u = ([[array[i, j] for j in range(size)] for i in range(size)] for array in state)
         for p in range(size):
             for q in range(p + 1, size):

@@ -145,11 +145,11 @@ def test_planes_far_from_every_pair_keep_their_slope(pairs, planes):
     """Where every weight underflows, ψ is half the f of the pair that fits best."""
     x, y, _ = pairs = [jnp.asarray(a, jnp.float32) for a in pairs]
     points = planes.astype(jnp.float32)[:8].at[:, 3].add(50.0)
-    at = expanded(pairs, 0.01, points)
+    at = expanded(pairs, jnp.float32(0.01), points)
     f = jax.vmap(objective.squared_residuals, (0, 0, None, None))(points[:, :3], points[:, 3], x, y)
     assert (jnp.exp(-f / (2 * 0.01**2)) == 0).all()
     np.testing.assert_allclose(at.value, 0.5 * f.min(axis=1), rtol=1e-4)
     nearest = jax.vmap(lambda z, row: jnp.sum(z[:3] * (x + y)[row] / 2))(points, f.argmin(axis=1))
     np.testing.assert_allclose(at.gradient[:, 2], 4 * (points[:, 3] - nearest), rtol=1e-3)
-    slope = jax.vmap(jax.grad(Criterion(features(*pairs), 0.01).value))(points)
+    slope = jax.vmap(jax.grad(Criterion(features(*pairs), jnp.float32(0.01)).value))(points)
     np.testing.assert_allclose(slope[:, 3], at.gradient[:, 2], rtol=1e-4)
