@@ -33,7 +33,7 @@ class Registration(NamedTuple):
     """
 
     rotation: Float[np.ndarray, "3 3"]
-    translation: Float[np.ndarray, "3"]
+    translation: Float[np.ndarray, " 3"]
     rmse: float
 
 
@@ -76,7 +76,7 @@ class Cicconet(Baseline):
         return frame.ranking(normals, offsets, strengths(rmses) if self.as_released else -rmses)
 
 
-def strengths(rmses: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def strengths(rmses: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     """What the program scores planes by: 1 / rmse, divided by the largest."""
     # an exact symmetry has no distances but those of rounding
     rmses = np.maximum(rmses, np.finfo(float).eps)
@@ -84,8 +84,8 @@ def strengths(rmses: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
 
 
 def mirror(
-    motion: Registration, axis: Float[np.ndarray, "3"], offset: float
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    motion: Registration, axis: Float[np.ndarray, " 3"], offset: float
+) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
     """Normal and a point of the plane whose reflection is that about `axis` · x = `offset`, followed by the motion.
 
     With noise R S is a rotation about some axis and a reflection across it. Its eigenvalues are −1 and two of real
@@ -110,7 +110,7 @@ def register(moving: Float[np.ndarray, "m 3"], tree: cKDTree, *, max_steps: int,
 
 def rigid(
     x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"]
-) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"]]:
+) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, " 3"]]:
     """Rotation R and translation t that minimise Σ ‖y − R x − t‖² (Kabsch, 1976)."""
     x_mean, y_mean = x.mean(axis=0), y.mean(axis=0)
     U, _, Vt = np.linalg.svd((y - y_mean).T @ (x - x_mean))

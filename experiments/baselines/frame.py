@@ -24,8 +24,8 @@ class Frame(NamedTuple):
     def ranking(
         self,
         normals: Float[np.ndarray, "k 3"],
-        offsets: Float[np.ndarray, "k"],
-        scores: Float[np.ndarray, "k"],
+        offsets: Float[np.ndarray, " k"],
+        scores: Float[np.ndarray, " k"],
     ) -> Ranking:
         """Planes of this frame as a ranking in the units of the points: sorted by falling score, signs canonical."""
         order = np.argsort(-np.asarray(scores), kind="stable")
@@ -42,7 +42,7 @@ def framed(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, most: 
 
 
 def reflect(
-    normal: Float[np.ndarray, "3"], offset: float, points: Float[np.ndarray, "n 3"]
+    normal: Float[np.ndarray, " 3"], offset: float, points: Float[np.ndarray, "n 3"]
 ) -> Float[np.ndarray, "n 3"]:
     """Mirror images of points, see `Plane.reflect`."""
     return np.asarray(Plane(normal, np.asarray(offset)).reflect(points))

@@ -45,13 +45,13 @@ class Cells(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     alpha: float
-    origin: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, " 3"]
     side: float
-    shape: Int[np.ndarray, "3"]
-    first: Int[np.ndarray, "cells+1"]
-    member: Int[np.ndarray, "entries"]
+    shape: Int[np.ndarray, " 3"]
+    first: Int[np.ndarray, " cells+1"]
+    member: Int[np.ndarray, " entries"]
 
-    def pairs(self, places: Float[np.ndarray, "m 3"]) -> tuple[Int[np.ndarray, "p"], Float[np.ndarray, "p 3"]]:
+    def pairs(self, places: Float[np.ndarray, "m 3"]) -> tuple[Int[np.ndarray, " p"], Float[np.ndarray, "p 3"]]:
         """All pairs of a place and a point within reach of it, and some beyond: which place, and place minus point."""
         at = np.floor((places - self.origin) / self.side).astype(int)
         rows = np.flatnonzero(((at >= 0) & (at < self.shape)).all(axis=1))
@@ -99,7 +99,7 @@ class Hruda(Baseline):
         return frame.ranking(normals[best], offsets[best], scores[best])
 
 
-def kernel(off: Float[np.ndarray, "p 3"], alpha: float) -> Float[np.ndarray, "p"]:
+def kernel(off: Float[np.ndarray, "p 3"], alpha: float) -> Float[np.ndarray, " p"]:
     """Wendland's φ = (1 − u)⁵(8u² + 5u + 1) with u = α‖off‖/2.6, zero from u = 1 on: twice differentiable."""
     u = np.minimum(alpha * np.sqrt(np.einsum("pk,pk->p", off, off)) / REACH, 1)
     return (1 - u) ** 5 * (8 * u**2 + 5 * u + 1)
@@ -129,7 +129,7 @@ def cells(points: Float[np.ndarray, "n 3"], alpha: float) -> Cells:
     return Cells(points, alpha, origin, side, shape, first, member[np.argsort(cell, kind="stable")])
 
 
-def measure(grid: Cells, planes: Float[np.ndarray, "k 4"]) -> Float[np.ndarray, "k"]:
+def measure(grid: Cells, planes: Float[np.ndarray, "k 4"]) -> Float[np.ndarray, " k"]:
     """The measure Σ_i Σ_j φ(‖r(x_i) − x_j‖) of planes (n, w) with unit normals."""
     sums = []
     for some in np.split(planes, np.arange(BATCH, len(planes), BATCH)):
@@ -140,7 +140,7 @@ def measure(grid: Cells, planes: Float[np.ndarray, "k 4"]) -> Float[np.ndarray, 
     return np.concatenate(sums)
 
 
-def measure_and_gradient(grid: Cells, z: Float[np.ndarray, "4"]) -> tuple[float, Float[np.ndarray, "4"]]:
+def measure_and_gradient(grid: Cells, z: Float[np.ndarray, " 4"]) -> tuple[float, Float[np.ndarray, " 4"]]:
     """The measure of the plane z / ‖z₁₋₃‖ and its gradient in z."""
     length = np.linalg.norm(z[:3])
     n, w = z[:3] / length, z[3] / length
@@ -154,10 +154,10 @@ def measure_and_gradient(grid: Cells, z: Float[np.ndarray, "4"]) -> tuple[float,
     return float(kernel(off, grid.alpha).sum()), np.append(in_n - radial * n, in_w) / length
 
 
-def improved(grid: Cells, plane: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4"]:
+def improved(grid: Cells, plane: Float[np.ndarray, " 4"]) -> Float[np.ndarray, " 4"]:
     """The plane of a local maximum of the measure, by L-BFGS over all four numbers."""
 
-    def loss(z: Float[np.ndarray, "4"]) -> tuple[float, Float[np.ndarray, "4"]]:
+    def loss(z: Float[np.ndarray, " 4"]) -> tuple[float, Float[np.ndarray, " 4"]]:
         value, gradient = measure_and_gradient(grid, z)
         return -value / len(grid.points), -gradient / len(grid.points)
 
@@ -177,7 +177,7 @@ def averaged(points: Float[np.ndarray, "n 3"], number: int) -> Float[np.ndarray,
     return np.stack([np.bincount(cell, column) for column in points.T], axis=1) / count[:, None]
 
 
-def occupied(points: Float[np.ndarray, "n 3"], side: float) -> Int[np.ndarray, "n"]:
+def occupied(points: Float[np.ndarray, "n 3"], side: float) -> Int[np.ndarray, " n"]:
     """The cell of every point, the occupied ones counted from 0."""
     at = np.floor((points - points.min(axis=0)) / side).astype(int)
     return np.unique(np.ravel_multi_index(tuple(at.T), tuple(at.max(axis=0) + 1)), return_inverse=True)[1]

@@ -44,7 +44,7 @@ class Raster(NamedTuple):
     voxels: Float[np.ndarray, "m 3"]
     distance: Float[np.ndarray, "r r r"]
 
-    def asymmetry(self, normal: Float[np.ndarray, "3"]) -> float:
+    def asymmetry(self, normal: Float[np.ndarray, " 3"]) -> float:
         """Mean squared distance (voxels²) of the mirror images of the occupied voxels from the shape."""
         middle = (len(self.distance) - 1) / 2
         images = self.voxels - 2 * np.outer(self.voxels @ normal, normal) + middle
@@ -96,7 +96,7 @@ def rasterise(points: Float[np.ndarray, "n 3"], resolution: int) -> Raster:
 
 def best(
     raster: Raster, normals: Float[np.ndarray, "k 3"], most: int
-) -> tuple[Float[np.ndarray, "j 3"], Float[np.ndarray, "j"]]:
+) -> tuple[Float[np.ndarray, "j 3"], Float[np.ndarray, " j"]]:
     """Those of some normals that are the best within 10 degrees of themselves, the best first, and their scores."""
     scores = -np.array([raster.asymmetry(normal) for normal in normals])
     near = np.abs(normals @ normals.T) > np.cos(np.radians(APART))
@@ -107,11 +107,11 @@ def best(
     return normals[kept], scores[kept]
 
 
-def refined(raster: Raster, normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def refined(raster: Raster, normal: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     """The best normal near a given one, by Nelder and Mead's method on the tangent plane."""
     tangents = np.linalg.svd(normal[None])[2][1:]
 
-    def moved(u: Float[np.ndarray, "2"]) -> Float[np.ndarray, "3"]:
+    def moved(u: Float[np.ndarray, " 2"]) -> Float[np.ndarray, " 3"]:
         return (normal + u @ tangents) / np.sqrt(1 + u @ u)
 
     simplex = np.radians(SIMPLEX) * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])

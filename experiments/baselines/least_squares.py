@@ -10,10 +10,10 @@ from jaxtyping import Float
 def least_squares(
     x: Float[np.ndarray, "n 3"],
     y: Float[np.ndarray, "n 3"],
-    weights: Float[np.ndarray, "n"] | None = None,
+    weights: Float[np.ndarray, " n"] | None = None,
     *,
     as_printed: bool = False,
-) -> tuple[Float[np.ndarray, "3"], float]:
+) -> tuple[Float[np.ndarray, " 3"], float]:
     """The plane that minimises Σ w ‖y − r(x)‖².
 
     With mid-points m and half differences h: the least eigenvector of Σ (m − m̄)(m − m̄)ᵀ − Σ h hᵀ, and n · m̄. The

@@ -46,6 +46,6 @@ def principal_axes(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]
     return np.linalg.eigh(np.cov(points, rowvar=False))[1].T
 
 
-def mean_residual(tree: KDTree, normal: Float[np.ndarray, "3"], offset: float) -> float:
+def mean_residual(tree: KDTree, normal: Float[np.ndarray, " 3"], offset: float) -> float:
     """Mean distance of the mirror images of a cloud from the cloud."""
     return float(tree.query(reflect(normal, offset, tree.data))[0].mean())

@@ -62,7 +62,7 @@ class RansacOnMatches(Baseline):
 
     def consensus(
         self, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"], rng: np.random.Generator
-    ) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"], Float[np.ndarray, "k"]]:
+    ) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, " k"], Float[np.ndarray, " k"]]:
         """The planes that most pairs agree with: normals, offsets and scores."""
         step = y - x
         length = np.linalg.norm(step, axis=1)
@@ -82,24 +82,24 @@ class RansacOnMatches(Baseline):
 
 def agreement(
     normals: Float[np.ndarray, "k 3"],
-    offsets: Float[np.ndarray, "k"],
+    offsets: Float[np.ndarray, " k"],
     x: Float[np.ndarray, "q 3"],
     y: Float[np.ndarray, "q 3"],
     threshold: float,
-) -> Float[np.ndarray, "k"]:
+) -> Float[np.ndarray, " k"]:
     """1 − mean of min(ρ², τ²)/τ² over the pairs: 1 where all fit exactly, 0 where none is an inlier."""
     residuals = np.array([residual(*plane, x, y) for plane in zip(normals, offsets, strict=True)])
     return 1 - np.minimum((residuals / threshold) ** 2, 1).mean(axis=1)
 
 
 def refit(
-    normal: Float[np.ndarray, "3"],
+    normal: Float[np.ndarray, " 3"],
     offset: float,
     x: Float[np.ndarray, "q 3"],
     y: Float[np.ndarray, "q 3"],
     threshold: float,
     times: int,
-) -> tuple[Float[np.ndarray, "3"], float]:
+) -> tuple[Float[np.ndarray, " 3"], float]:
     """The plane of least squares of a plane's inliers, so many times; the plane as it is where they are too few."""
     for _ in range(times):
         inlier = residual(normal, offset, x, y) < threshold
@@ -110,7 +110,7 @@ def refit(
 
 
 def residual(
-    normal: Float[np.ndarray, "3"], offset: float, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"]
-) -> Float[np.ndarray, "q"]:
+    normal: Float[np.ndarray, " 3"], offset: float, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"]
+) -> Float[np.ndarray, " q"]:
     """Distance of y from the mirror image of x."""
     return np.linalg.norm(y - reflect(normal, offset, x), axis=1)

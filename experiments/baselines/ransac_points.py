@@ -94,7 +94,7 @@ class RansacOnPoints(Baseline):
 
 def drawn(
     points: Float[np.ndarray, "m 3"], draws: int, rng: np.random.Generator
-) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, "k"]]:
+) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, " k"]]:
     """Normals and offsets of the planes half-way between two points drawn at random; none where they coincide."""
     first, second = points[rng.integers(len(points), size=(2, draws))]
     length = np.linalg.norm(second - first, axis=1)
@@ -105,12 +105,12 @@ def drawn(
 
 def voted(
     normals: Float[np.ndarray, "k 3"],
-    offsets: Float[np.ndarray, "k"],
+    offsets: Float[np.ndarray, " k"],
     voters: Float[np.ndarray, "j 3"],
     tree: KDTree,
     radius: float,
     confidence: float | None,
-) -> Float[np.ndarray, "i"]:
+) -> Float[np.ndarray, " i"]:
     """Votes on the planes in the order they were drawn, as many as are drawn."""
     ratios = np.empty(0)
     for first in range(0, len(normals), BATCH):
@@ -124,17 +124,17 @@ def voted(
 
 def votes(
     normals: Float[np.ndarray, "k 3"],
-    offsets: Float[np.ndarray, "k"],
+    offsets: Float[np.ndarray, " k"],
     voters: Float[np.ndarray, "j 3"],
     tree: KDTree,
     radius: float,
-) -> Float[np.ndarray, "k"]:
+) -> Float[np.ndarray, " k"]:
     """Share of the voters whose mirror images lie within the radius of the cloud."""
     images = np.asarray(Plane(normals, offsets).reflect(voters))
     return np.isfinite(tree.query(images, distance_upper_bound=radius)[0]).mean(axis=1)
 
 
-def stopping(ratios: Float[np.ndarray, "k"], confidence: float) -> int | None:
+def stopping(ratios: Float[np.ndarray, " k"], confidence: float) -> int | None:
     """After how many draws two inliers of the best plane so far would have been drawn with this confidence, if any."""
     both = np.clip(np.maximum.accumulate(ratios) ** 2, 1e-12, 1 - 1e-12)
     enough = np.log(1 - confidence) / np.log(1 - both) <= np.arange(1, len(ratios) + 1)
@@ -142,8 +142,8 @@ def stopping(ratios: Float[np.ndarray, "k"], confidence: float) -> int | None:
 
 
 def refit(
-    normal: Float[np.ndarray, "3"], offset: float, tree: KDTree, radius: float, times: int
-) -> tuple[Float[np.ndarray, "3"], float]:
+    normal: Float[np.ndarray, " 3"], offset: float, tree: KDTree, radius: float, times: int
+) -> tuple[Float[np.ndarray, " 3"], float]:
     """The plane of least squares of the inliers and their nearest points, so many times; as it is of too few."""
     points = tree.data
     for _ in range(times):

@@ -61,7 +61,7 @@ class ThreeDSymm(Baseline):
 
 
 def ended(
-    frame: Frame, directions: Iterable[Float[np.ndarray, "3"]], match: Match, *, steps: int, tol: float
+    frame: Frame, directions: Iterable[Float[np.ndarray, " 3"]], match: Match, *, steps: int, tol: float
 ) -> Ranking:
     """The distinct planes that planes through the mean, given by their normals, end in."""
     planes = [alternate(frame.points, start, 0.0, match, steps=steps, tol=tol) for start in directions]
@@ -73,13 +73,13 @@ def ended(
 
 def alternate(
     points: Float[np.ndarray, "n 3"],
-    normal: Float[np.ndarray, "3"],
+    normal: Float[np.ndarray, " 3"],
     offset: float,
     match: Match,
     *,
     steps: int = 100,
     tol: float = 1e-6,
-) -> tuple[Float[np.ndarray, "3"], float]:
+) -> tuple[Float[np.ndarray, " 3"], float]:
     """Where matching and least squares in turn take a plane.
 
     Args:
@@ -102,7 +102,7 @@ def alternate(
     return normal, offset
 
 
-def residual(points: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "3"], offset: float, match: Match) -> float:
+def residual(points: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, " 3"], offset: float, match: Match) -> float:
     """Root mean square distance of mirror images from their partners: of the cost that the rounds never raise."""
     image = reflect(normal, offset, points)
     return float(np.sqrt(((image - match(image)) ** 2).sum(axis=1).mean()))

@@ -48,7 +48,7 @@ class RankedPlanes(NamedTuple):
     """
 
     ranking: Ranking
-    held: Bool[np.ndarray, "k"]
+    held: Bool[np.ndarray, " k"]
 
 
 def ranked_planes(detection: Detection) -> RankedPlanes:

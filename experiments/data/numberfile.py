@@ -26,7 +26,7 @@ class NumberFile:
         self._rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
         self._position = 0
 
-    def row(self, count: int, what: str) -> Float[np.ndarray, "count"]:
+    def row(self, count: int, what: str) -> Float[np.ndarray, " count"]:
         """The numbers of the next row.
 
         Args:

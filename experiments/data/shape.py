@@ -90,7 +90,7 @@ def _read_surface(path: Path) -> mesh.Mesh:
         raise FileFormatError(f"{path}: {error}") from error
 
 
-def through(normal: Float[np.ndarray, "3"], point: Float[np.ndarray, "3"]) -> Plane:
+def through(normal: Float[np.ndarray, " 3"], point: Float[np.ndarray, " 3"]) -> Plane:
     """The plane through a point; the normal need not be of unit length."""
     unit = normal / np.linalg.norm(normal)
     return Plane(unit, np.asarray(unit @ point))

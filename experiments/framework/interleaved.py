@@ -12,7 +12,7 @@ from tqdm import trange
 Case = Callable[[], Any]
 
 
-def interleaved(cases: Mapping[str, Case], repeats: int) -> dict[str, Float[np.ndarray, "r"]]:
+def interleaved(cases: Mapping[str, Case], repeats: int) -> dict[str, Float[np.ndarray, " r"]]:
     """Seconds of every case in every round; all are called once before, which compiles.
 
     Args:
@@ -30,7 +30,7 @@ def interleaved(cases: Mapping[str, Case], repeats: int) -> dict[str, Float[np.n
     return {name: np.asarray(times) for name, times in seconds.items()}
 
 
-def ratio(slow: Float[np.ndarray, "r"], fast: Float[np.ndarray, "r"]) -> tuple[float, str]:
+def ratio(slow: Float[np.ndarray, " r"], fast: Float[np.ndarray, " r"]) -> tuple[float, str]:
     """How many times slower one case is than another: median over the rounds, and its quartiles as text."""
     low, middle, high = np.quantile(slow / fast, [0.25, 0.5, 0.75])
     return float(middle), f"{low:.3g}-{high:.3g}"

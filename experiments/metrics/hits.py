@@ -49,7 +49,7 @@ def area(deviations: Sequence[Deviation], *, within: float = WITHIN_OFFSET, larg
     return float(np.maximum(1 - _angles(deviations, within) / largest, 0).mean())
 
 
-def _angles(deviations: Sequence[Deviation], within: float) -> Float[np.ndarray, "n"]:
+def _angles(deviations: Sequence[Deviation], within: float) -> Float[np.ndarray, " n"]:
     """Degrees; infinite where the offset is too large, or there was no answer."""
     if not deviations:
         raise InvalidArgumentError("a hit rate of no answers at all: give at least one deviation")

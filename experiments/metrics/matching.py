@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 
-def by_rank(cost: Float[np.ndarray, "k t"]) -> Int[np.ndarray, "k"]:
+def by_rank(cost: Float[np.ndarray, "k t"]) -> Int[np.ndarray, " k"]:
     """Every answer in turn, best first, takes the free truth of least cost.
 
     Args:
@@ -28,7 +28,7 @@ def by_rank(cost: Float[np.ndarray, "k t"]) -> Int[np.ndarray, "k"]:
     return truth
 
 
-def by_cost(cost: Float[np.ndarray, "k t"]) -> Float[np.ndarray, "m"]:
+def by_cost(cost: Float[np.ndarray, "k t"]) -> Float[np.ndarray, " m"]:
     """The cheapest pair first, then the cheapest of what is left, until answers or truths are used up.
 
     A limit on the cost only cuts this sequence short: one matching serves all limits.

@@ -23,7 +23,7 @@ class Patches(NamedTuple):
 
     normals: Float[np.ndarray, "k 3"]
     centres: Float[np.ndarray, "k 3"]
-    sides: Float[np.ndarray, "k"]
+    sides: Float[np.ndarray, " k"]
 
 
 def from_corners(corners: Float[np.ndarray, "k 3 3"], *, as_printed: bool = False) -> Patches:

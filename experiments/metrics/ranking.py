@@ -18,15 +18,15 @@ class Ranking(NamedTuple):
     """
 
     normals: Float[np.ndarray, "k 3"]
-    offsets: Float[np.ndarray, "k"]
-    scores: Float[np.ndarray, "k"]
+    offsets: Float[np.ndarray, " k"]
+    scores: Float[np.ndarray, " k"]
 
     def plane(self, k: int = 0) -> Plane:
         """The k-th best plane."""
         return Plane(self.normals[k], self.offsets[k])
 
 
-def plane_distance(planes: Plane, plane: Plane) -> Float[np.ndarray, "k"]:
+def plane_distance(planes: Plane, plane: Plane) -> Float[np.ndarray, " k"]:
     """D(p, q) = min(|p − q|, |p + q|) over the 4-vectors (n, w), w in the units of the frame."""
     rows, row = np.column_stack([*planes]), np.append(*plane)
     return np.minimum(np.linalg.norm(rows - row, axis=1), np.linalg.norm(rows + row, axis=1))
@@ -34,12 +34,12 @@ def plane_distance(planes: Plane, plane: Plane) -> Float[np.ndarray, "k"]:
 
 def distinct(
     normals: Float[np.ndarray, "k 3"],
-    offsets: Float[np.ndarray, "k"],
-    scores: Float[np.ndarray, "k"],
+    offsets: Float[np.ndarray, " k"],
+    scores: Float[np.ndarray, " k"],
     *,
     apart: float,
     most: int,
-) -> Int[np.ndarray, "j"]:
+) -> Int[np.ndarray, " j"]:
     """Indices of the best planes, best first, none within `apart` (see `plane_distance`) of a better one."""
     kept: list[int] = []
     for k in np.argsort(-scores, kind="stable"):

@@ -22,9 +22,9 @@ WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.01
 class Curve(NamedTuple):
     """A point for each distinct score, the highest first: what counts is every answer that scores at least as much."""
 
-    scores: Float[np.ndarray, "m"]
-    precision: Float[np.ndarray, "m"]
-    recall: Float[np.ndarray, "m"]
+    scores: Float[np.ndarray, " m"]
+    precision: Float[np.ndarray, " m"]
+    recall: Float[np.ndarray, " m"]
 
 
 def curve(predictions: Sequence[Prediction]) -> Curve:
@@ -39,7 +39,7 @@ def curve(predictions: Sequence[Prediction]) -> Curve:
     return Curve(scores[last], hits[last] / (last + 1), hits[last] / max(num_truths, 1))
 
 
-def _right(prediction: Prediction) -> Bool[np.ndarray, "k"]:
+def _right(prediction: Prediction) -> Bool[np.ndarray, " k"]:
     """Which answers are matched to a truth, one to one, best first, the nearest in angle."""
     answers, case = prediction.answers, prediction.case
     cost = np.full((len(answers.offset), len(case.planes)), np.inf)

@@ -38,7 +38,7 @@ class Scores(NamedTuple):
     map_of_truths: float
 
 
-def hits(prediction: Prediction) -> Bool[np.ndarray, "k"]:
+def hits(prediction: Prediction) -> Bool[np.ndarray, " k"]:
     """Which answers match a truth, best first.
 
     The point of an answer is the foot of the mean of the points on its plane: the track's answers are (normal, point),

@@ -17,7 +17,7 @@ class Corrupted(NamedTuple):
     """Points after corruption, and the index of each in the cloud it came from: -1 for an outlier."""
 
     points: Float[np.ndarray, "m 3"]
-    source: Int[np.ndarray, "m"]
+    source: Int[np.ndarray, " m"]
 
 
 def add_outliers(
@@ -37,7 +37,7 @@ def add_outliers(
 
 def remove_part(
     points: Float[np.ndarray, "n 3"], gamma: float, rng: int | np.random.Generator = 0
-) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
+) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, " m"]]:
     """The cloud without the `int(gamma n)` points nearest to a random one of them; also the indices kept.
 
     Raises:

@@ -36,7 +36,7 @@ class DemoScan(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     truth: Plane
-    up: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, " 3"]
 
 
 def make_scan(seed: int) -> DemoScan:

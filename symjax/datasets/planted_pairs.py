@@ -25,9 +25,9 @@ class PlantedPairs(NamedTuple):
 
     x: Float[np.ndarray, "n 3"]
     y: Float[np.ndarray, "n 3"]
-    normal: Float[np.ndarray, "3"]
+    normal: Float[np.ndarray, " 3"]
     offset: float
-    inlier: Bool[np.ndarray, "n"]
+    inlier: Bool[np.ndarray, " n"]
 
 
 def _in_ball(rng: np.random.Generator, num: int) -> Float[np.ndarray, "num 3"]:

@@ -21,13 +21,13 @@ class Sample(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     normals: Float[np.ndarray, "p 3"]
-    offsets: Float[np.ndarray, "p"]
+    offsets: Float[np.ndarray, " p"]
     axis: Axis | None
     kind: str
     symmetry: Symmetry
 
     @property
-    def planes(self) -> tuple[tuple[Float[np.ndarray, "3"], float], ...]:
+    def planes(self) -> tuple[tuple[Float[np.ndarray, " 3"], float], ...]:
         """The planes as pairs (normal, offset)."""
         return tuple((n, float(d)) for n, d in zip(self.normals, self.offsets, strict=True))
 

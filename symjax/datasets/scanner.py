@@ -23,8 +23,8 @@ def scan(
     points: Float[np.ndarray, "n 3"],
     rng: int | np.random.Generator = 0,
     *,
-    viewpoint: Float[np.ndarray, "3"] | None = None,
-) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "m"]]:
+    viewpoint: Float[np.ndarray, " 3"] | None = None,
+) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, " m"]]:
     """The points that a scanner sees, and their indices.
 
     Args:

@@ -10,7 +10,7 @@ from symjax.robust.surface import estimate_surface
 
 def asymmetry(
     points: Float[np.ndarray, "n 3"], plane: Plane, cloud: Float[np.ndarray, "m 3"]
-) -> Float[np.ndarray, "n"]:
+) -> Float[np.ndarray, " n"]:
     """Signed distances of the points' mirror images from the surface of a cloud.
 
     Args:

@@ -10,7 +10,7 @@ NEAR = 3.0
 """Distance from a used point, in usual distances between used points, within which a point belongs to the object."""
 
 
-def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] | None) -> Bool[np.ndarray, "n"]:
+def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] | None) -> Bool[np.ndarray, " n"]:
     """Which points belong to the object: the finite ones that are near those that were used.
 
     Args:

@@ -32,7 +32,7 @@ class Pairs(NamedTuple):
     x: Float[np.ndarray, "m 3"]
     y: Float[np.ndarray, "m 3"]
     rows: Int[np.ndarray, "m 2"]
-    weight: Float[np.ndarray, "m"]
+    weight: Float[np.ndarray, " m"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class Detection:
     diagonal: float
     seed: int | None
     num_points: int
-    used: Int[np.ndarray, "k"]
+    used: Int[np.ndarray, " k"]
     cleaned: bool
     notes: tuple[str, ...]
     timings: dict[str, float]
@@ -107,7 +107,7 @@ class Detection:
         """Mirror images of points in the plane."""
         return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
 
-    def on_surface(self, points: ArrayLike | None = None) -> Bool[np.ndarray, "n"]:
+    def on_surface(self, points: ArrayLike | None = None) -> Bool[np.ndarray, " n"]:
         """Which points belong to the object: the finite ones, near those used if outliers or a ground were left out.
 
         Args:
@@ -132,7 +132,7 @@ class Detection:
             points = self._given(None)[self.on_surface()]
         return completion.complete(np.asarray(points, dtype=float), self.plane)
 
-    def asymmetry(self, points: ArrayLike | None = None) -> Float[np.ndarray, "n"]:
+    def asymmetry(self, points: ArrayLike | None = None) -> Float[np.ndarray, " n"]:
         """The asymmetry map: signed distance of every point's mirror image from the surface, in the points' units.
 
         Positive where the image lies outside, on the side that faces away from the middle of the cloud. The surface is

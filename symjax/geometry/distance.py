@@ -12,7 +12,7 @@ __all__ = ["deviation_angle", "offset_error"]
 
 
 def offset_error(
-    plane: Plane, truth: Plane, centre: Float[AnyArray, "3"], diagonal: float
+    plane: Plane, truth: Plane, centre: Float[AnyArray, " 3"], diagonal: float
 ) -> Float[AnyArray, "*batch"]:
     """Distance of the estimated plane from the foot of the cloud's centre on the true plane.
 

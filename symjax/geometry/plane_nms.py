@@ -31,8 +31,8 @@ def near(planes: Plane, plane: Plane, *, angle: float, offset: Float[AnyArray, "
 
 
 def suppress(
-    planes: Plane, order: Int[np.ndarray, "p"], *, angle: float, offset: float, most: int
-) -> Int[np.ndarray, "r"]:
+    planes: Plane, order: Int[np.ndarray, " p"], *, angle: float, offset: float, most: int
+) -> Int[np.ndarray, " r"]:
     """Rows of the planes that are kept: in the given order, without those near one already kept.
 
     Args:

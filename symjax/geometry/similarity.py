@@ -64,8 +64,8 @@ class Similarity(NamedTuple):
         return Plane(normal, self.scale * plane.offset + along)
 
     def axis(
-        self, axis: tuple[Float[AnyArray, "3"], Float[AnyArray, "3"]]
-    ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+        self, axis: tuple[Float[AnyArray, " 3"], Float[AnyArray, " 3"]]
+    ) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
         """Image of an axis, given by a point and a direction."""
         point, direction = axis
         return np.asarray(self.points(point)), np.asarray(self.directions(direction))

@@ -21,7 +21,7 @@ class Uncertainty(NamedTuple):
 
     covariance: Float[np.ndarray, "3 3"]
     tangents: Float[np.ndarray, "2 3"]
-    centre: Float[np.ndarray, "3"]
+    centre: Float[np.ndarray, " 3"]
 
     @property
     def normal_degrees(self) -> float:

@@ -24,8 +24,8 @@ class Mesh(NamedTuple):
 class Polygons(NamedTuple):
     """How many corners each polygon has, and the vertex indices of all corners, one polygon after another."""
 
-    sizes: Int[np.ndarray, "f"]
-    corners: Int[np.ndarray, "c"]
+    sizes: Int[np.ndarray, " f"]
+    corners: Int[np.ndarray, " c"]
 
 
 NO_POLYGONS = Polygons(np.empty(0, np.int64), np.empty(0, np.int64))

@@ -13,7 +13,7 @@ from symjax.l2e.manifolds import tangent_basis
 _CONSTANT = 9  # the feature that is 1
 _PLACE = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]], np.int32)  # where a matrix has its entries among the features
 
-Point = Float[Array, "4"]
+Point = Float[Array, " 4"]
 """A plane as a point (v, ω) of S² × R."""
 
 
@@ -30,13 +30,13 @@ class Expansion(NamedTuple):
         rest: what follows v and ω in the point of an MM step; nothing here.
     """
 
-    point: Float[Array, "d"]
+    point: Float[Array, " d"]
     value: Float[Array, ""]
-    gradient: Float[Array, "k"]
+    gradient: Float[Array, " k"]
     hessian: Float[Array, "k k"]
     scatter: Float[Array, "3 3"]
-    middle: Float[Array, "3"]
-    rest: Float[Array, "r"]
+    middle: Float[Array, " 3"]
+    rest: Float[Array, " r"]
 
 
 class Criterion(NamedTuple):
@@ -56,7 +56,7 @@ class Criterion(NamedTuple):
     def value(self, point: Point) -> Float[Array, ""]:
         """ψ, differentiable in the point: value and gradient cost little more than the exponentials."""
 
-        def sums(point: Point, rows: Float[Array, "t r p"]) -> tuple[Float[Array, ""], Float[Array, "r"]]:
+        def sums(point: Point, rows: Float[Array, "t r p"]) -> tuple[Float[Array, ""], Float[Array, " r"]]:
             return weighted_sums(self.pairs, point[:3], point[3], self.sigma, lambda tile: rows[tile])
 
         @jax.custom_jvp
@@ -99,7 +99,7 @@ class Criterion(NamedTuple):
         return Expansion(point, value, 2 * slope, hessian, M - m[:, None] * m[None, :], m, point[4:])
 
 
-def reweighted(at: Expansion, values: Float[Array, "3"], vectors: Float[Array, "3 3"]) -> Float[Array, "d"]:
+def reweighted(at: Expansion, values: Float[Array, " 3"], vectors: Float[Array, "3 3"]) -> Float[Array, " d"]:
     """The next point of the MM iteration: the least-squares plane under the weights exp(−f_i/2σ²).
 
     exp(−t) is convex and lies above its tangent: the surrogate, whose optimum this is, never exceeds the objective,
@@ -116,19 +116,19 @@ def reweighted(at: Expansion, values: Float[Array, "3"], vectors: Float[Array, "
 
 
 def _mean_slopes(
-    v: Float[Array, "3"], omega: Float[Array, ""], mean: Float[Array, "k"]
-) -> tuple[Float[Array, "3"], Float[Array, ""]]:
+    v: Float[Array, " 3"], omega: Float[Array, ""], mean: Float[Array, " k"]
+) -> tuple[Float[Array, " 3"], Float[Array, ""]]:
     """Derivatives of E[f]/4 = vᵀMv − 2ω v·m + ω² + E‖h‖², at fixed weights, in v and ω; `mean` is that of φ."""
     m = -0.5 * mean[6:9]
     return 2 * (_times(mean[_PLACE], v) - omega * m), 2 * (omega - jnp.sum(v * m))
 
 
-def _times(matrix: Float[Array, "r 3"], u: Float[Array, "3"]) -> Float[Array, "r"]:
+def _times(matrix: Float[Array, "r 3"], u: Float[Array, " 3"]) -> Float[Array, " r"]:
     return matrix[:, 0] * u[0] + matrix[:, 1] * u[1] + matrix[:, 2] * u[2]
 
 
 def _slopes(
-    v: Float[Array, "3"], omega: Float[Array, ""], along: Float[Array, "3 3"], to_omega: Float[Array, "3"]
+    v: Float[Array, " 3"], omega: Float[Array, ""], along: Float[Array, "3 3"], to_omega: Float[Array, " 3"]
 ) -> Float[Array, "3 10"]:
     """Derivatives of θ along the two tangents and ω."""
     twice = TWICE.astype(v.dtype)[None, :]

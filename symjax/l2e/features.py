@@ -54,7 +54,7 @@ class Features(NamedTuple):
     num_tiles: Int[Array, ""]
 
 
-def coefficients(v: Vector, omega: Scalar) -> Float[Array, "11"]:
+def coefficients(v: Vector, omega: Scalar) -> Float[Array, " 11"]:
     """θ(v, ω), with the 1 of ‖h‖²."""
     square = v[ROWS] * v[COLUMNS] * TWICE.astype(v.dtype)
     return jnp.concatenate([square, omega * v, jnp.stack([omega**2, jnp.ones_like(omega)])])
@@ -69,7 +69,7 @@ def feature_rows(x: PairEnds, y: PairEnds) -> Float[Array, "11 n"]:
 
 
 def features(
-    x: PairEnds, y: PairEnds, weights: Float[Array, "n"] | None = None, *, used: int | Int[Array, ""] | None = None
+    x: PairEnds, y: PairEnds, weights: Float[Array, " n"] | None = None, *, used: int | Int[Array, ""] | None = None
 ) -> Features:
     """Features of pairs that are centred and scaled to about unit radius.
 
@@ -90,7 +90,7 @@ def features(
     return tiles._replace(num_tiles=num_tiles)
 
 
-def _tile(pairs: tuple[PairEnds, PairEnds, Float[Array, "p"]]) -> Features:
+def _tile(pairs: tuple[PairEnds, PairEnds, Float[Array, " p"]]) -> Features:
     x, y, weights = pairs
     phi = jnp.where(weights[None, :] > 0, feature_rows(x, y), 0)
     phi = phi.at[-1].set(jnp.where(weights > 0, phi[-1], FAR))
@@ -99,7 +99,7 @@ def _tile(pairs: tuple[PairEnds, PairEnds, Float[Array, "p"]]) -> Features:
     return Features(phi, weights[None, :] * phi, products, m, h, weights, jnp.asarray(1))
 
 
-def _exponents(pairs: Features, tile: Int[Array, ""], v: Vector, omega: Scalar, sigma: Scalar) -> Float[Array, "p"]:
+def _exponents(pairs: Features, tile: Int[Array, ""], v: Vector, omega: Scalar, sigma: Scalar) -> Float[Array, " p"]:
     """−f_i/2σ² of the pairs of a tile.
 
     In float32 the features lose digits to cancellation, 2 % of a weight at σ = 0.005 of the radius: the residuals
@@ -121,7 +121,7 @@ def weighted_sums(
     omega: Scalar,
     sigma: Scalar,
     rows: Callable[[Int[Array, ""]], Float[Array, "r p"]],
-) -> tuple[Scalar, Float[Array, "r"]]:
+) -> tuple[Scalar, Float[Array, " r"]]:
     """Sums Σ exp(−f_i/2σ²) row_i over all pairs, as a common logarithm and what it multiplies.
 
     The largest exponent is taken out, tile by tile, so that nothing underflows however far the plane is from every
@@ -141,7 +141,7 @@ def weighted_sums(
     # not minus infinity, whose difference from itself is no number
     nothing = jnp.asarray(-0.1 * jnp.finfo(first.dtype).max, first.dtype), jnp.zeros_like(first[:, 0])
 
-    def add(tile: Int[Array, ""], sums: tuple[Scalar, Float[Array, "r"]]) -> tuple[Scalar, Float[Array, "r"]]:
+    def add(tile: Int[Array, ""], sums: tuple[Scalar, Float[Array, " r"]]) -> tuple[Scalar, Float[Array, " r"]]:
         exponents = _exponents(pairs, tile, v, omega, sigma)
         largest = jnp.maximum(sums[0], jnp.max(exponents))
         new = jnp.dot(rows(tile), jnp.exp(exponents - largest), precision="highest")

@@ -109,7 +109,7 @@ def best(fits: Fit) -> Fit:
     return jax.tree.map(pick, fits)
 
 
-def psi(z: Float[Array, "4"], theta: tuple[Array, Array, Array, Array]) -> Float[Array, ""]:
+def psi(z: Float[Array, " 4"], theta: tuple[Array, Array, Array, Array]) -> Float[Array, ""]:
     """`scaled_log_loss` as a function of the plane and of everything that an answer has a derivative in.
 
     In float64 by one matrix product, plain JAX: many times faster under `vmap` than the residuals as written, which
@@ -125,12 +125,12 @@ def psi(z: Float[Array, "4"], theta: tuple[Array, Array, Array, Array]) -> Float
     return sigma**2 * (1 + jnp.log(jnp.sum(weights)) - largest - jnp.log(kernel))
 
 
-def unscale_plane(point: Float[Array, "d"], pairs: NormalizedPairs) -> Plane:
+def unscale_plane(point: Float[Array, " d"], pairs: NormalizedPairs) -> Plane:
     """A plane (v, ω) of the normalized pairs as one in the units of the points, of canonical sign."""
     return pairs.to_given.plane(Plane(point[:3], point[3])).canonical()
 
 
-def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, "4"] | None) -> Fit:
+def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, " 4"] | None) -> Fit:
     """The fit at a given scale, differentiable in the pairs and in σ.
 
     Args:

@@ -29,7 +29,7 @@ from symjax.l2e.starts.scale_estimation import GRID, estimate_scale, unscale_wit
 def _fit_plane(
     pairs: PaddedPairs,
     sigma: Float[Array, ""] | None,
-    v0: Float[Array, "3"] | None,
+    v0: Float[Array, " 3"] | None,
     limits: Limits,
     *,
     solver: AnySolver,
@@ -57,7 +57,7 @@ def fit_plane(
     x: Points,
     y: Points,
     sigma: Sigma,
-    v0: Real[AnyArray, "3"] | Sequence[float] | str | None = None,
+    v0: Real[AnyArray, " 3"] | Sequence[float] | str | None = None,
     *,
     weights: Weights | None = None,
     solver: AnySolver = "newton",

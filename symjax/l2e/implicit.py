@@ -10,13 +10,13 @@ from jaxtyping import Array, Float, PyTree
 
 from symjax.l2e.manifolds import Manifold
 
-Objective = Callable[[Float[Array, "d"], PyTree], Float[Array, ""]]
+Objective = Callable[[Float[Array, " d"], PyTree], Float[Array, ""]]
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def implicit_minimum(
-    fun: Objective, manifold: Manifold, z: Float[Array, "d"], value: Float[Array, ""], theta: PyTree
-) -> tuple[Float[Array, "d"], Float[Array, ""]]:
+    fun: Objective, manifold: Manifold, z: Float[Array, " d"], value: Float[Array, ""], theta: PyTree
+) -> tuple[Float[Array, " d"], Float[Array, ""]]:
     """Returns z and its value, with the derivatives in theta that a minimiser of `fun(·, theta)` has.
 
     At a minimum the gradient G in the tangent chart t ↦ R_z(B t) is zero whatever theta is, so
@@ -47,7 +47,7 @@ def _implicit_minimum_jvp(
     z, value = implicit_minimum(fun, manifold, z, value, theta)
     basis = manifold.basis(z)
 
-    def chart(t: Float[Array, "k"], theta: PyTree) -> Float[Array, ""]:
+    def chart(t: Float[Array, " k"], theta: PyTree) -> Float[Array, ""]:
         return fun(manifold.retract(z, basis @ t), theta)
 
     origin = jnp.zeros(basis.shape[1], z.dtype)

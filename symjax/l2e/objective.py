@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from symjax.l2e.jax_config import float64_as_given
 
-Vector = Float[Array, "3"]
+Vector = Float[Array, " 3"]
 Scalar = Float[Array, ""]
 Real = float | Scalar
 PairEnds = Float[Array, "n 3"]
@@ -19,12 +19,12 @@ PairEnds = Float[Array, "n 3"]
 _MAX_EXPONENT = 80.0  # exp of it is finite in float32
 
 
-def _along(points: PairEnds, v: Vector) -> Float[Array, "n"]:
+def _along(points: PairEnds, v: Vector) -> Float[Array, " n"]:
     """Products v · p_i by elementwise products: a float32 matrix product would run in TF32 on a GPU."""
     return points[:, 0] * v[0] + points[:, 1] * v[1] + points[:, 2] * v[2]
 
 
-def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
+def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, " n"]:
     """f_i = ‖r_i‖² on the sphere, in the form without cancellation: 4[(m_i·v − ω)² + ‖h_i − (h_i·v)v‖²].
 
     m_i = (x_i + y_i)/2 and h_i = (y_i − x_i)/2. Equal to the paper's polynomial where ‖v‖ = 1; off the sphere
@@ -37,7 +37,7 @@ def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float
 
 
 @float64_as_given
-def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, "n"]:
+def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, " n"]:
     """exp(−f_i/2σ²): 1 for a pair that the plane mirrors exactly, 0 for an outlier."""
     return jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
 
@@ -72,7 +72,7 @@ def l2e_loss(
     x: PairEnds,
     y: PairEnds,
     *,
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
 ) -> Scalar:
     """The L2E criterion, to be minimised: ∫g² − (2/n) Σ g(r_i) = (4πσ²)^{-3/2} − (2/n) Σ g(r_i) (Eq. 4).
 
@@ -105,7 +105,7 @@ def log_objective(
     x: PairEnds,
     y: PairEnds,
     *,
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
 ) -> Scalar:
     """The logarithm log Σ w_i exp(−f_i/2σ²), to be maximised.
 
@@ -128,7 +128,7 @@ def scaled_log_loss(
     x: PairEnds,
     y: PairEnds,
     *,
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
 ) -> Scalar:
     """ψ = σ²(1 − log mean exp(−f_i/2σ²)), to be minimised: what the solvers see.
 

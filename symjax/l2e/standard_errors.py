@@ -68,7 +68,7 @@ def standard_errors(
 
 
 @jax.jit
-def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Array, "5 5"]]:
+def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, " 3"], Float[Array, "5 5"]]:
     """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
     x, y, weights, to_given = normalize_pairs(pairs.x, pairs.y, pairs.weights)
     normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
@@ -80,7 +80,7 @@ def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, "3"], Float[Ar
     point = jnp.concatenate([v, jnp.stack([omega, jnp.log(sigma), share])])
     middle = jnp.sum(kernel[:, None] * 0.5 * (x + y), axis=0) / jnp.sum(kernel)
 
-    def terms(t: Float[Array, "5"]) -> Float[Array, "n"]:
+    def terms(t: Float[Array, " 5"]) -> Float[Array, " n"]:
         """Every pair's term of ρ²(4πσ²)^{−3/2} − 2ρ g(r), over the constant (2πσ̂²)^{−3/2}."""
         basis = SPHERE_LINE.basis(point)
         moved = SPHERE_LINE.retract(point, jnp.sum(basis * t[None, :], axis=1))

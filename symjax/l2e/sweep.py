@@ -44,7 +44,7 @@ class _Options(NamedTuple):
 
 @partial(jax.jit, static_argnames="options")
 def _sweep(
-    pairs: PaddedPairs, sigmas: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
+    pairs: PaddedPairs, sigmas: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
 ) -> Fit:
     normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
     scaled = sigmas / normalized.to_given.scale
@@ -69,7 +69,7 @@ def _sweep(
 
 
 def _starts(
-    pairs: NormalizedPairs, scales: Float[Array, "S"], v0s: Float[Array, "R 3"] | None, options: _Options
+    pairs: NormalizedPairs, scales: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, options: _Options
 ) -> Float[Array, "S R d"]:
     """The normals, or the planes (d = 4), to start from at every σ."""
     if options.start == "hypotheses":
@@ -82,7 +82,7 @@ def _starts(
 
 
 def _continuation(
-    make: Make, pairs: NormalizedPairs, scales: Float[Array, "S"], starts: Float[Array, "R d"]
+    make: Make, pairs: NormalizedPairs, scales: Float[Array, " S"], starts: Float[Array, "R d"]
 ) -> tuple[Minimum, Int[Array, "S R"]]:
     """The optima of a continuation, from the largest σ to the smallest.
 
@@ -122,7 +122,7 @@ def _continuation(
 def sweep(
     x: Points,
     y: Points,
-    sigmas: Real[AnyArray, "S"] | Sequence[float],
+    sigmas: Real[AnyArray, " S"] | Sequence[float],
     v0s: Real[AnyArray, "R 3"] | Sequence[Sequence[float]] | str = "hypotheses",
     *,
     restarts: int = RESTARTS,

@@ -11,7 +11,7 @@ from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 
 Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
-Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
+Axis = tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]
 """A point and a direction."""
 
 
@@ -61,7 +61,7 @@ class MethodResult:
     ambiguous: bool = False
     axis: Axis | None = None
     rows: Int[np.ndarray, "m 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=int))
-    weight: Float[np.ndarray, "m"] = field(default_factory=lambda: np.empty(0))
+    weight: Float[np.ndarray, " m"] = field(default_factory=lambda: np.empty(0))
     inlier_weight: float = 0.5
     inlier_fraction: float | None = None
     sigma: float | None = None

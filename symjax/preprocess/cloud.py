@@ -46,7 +46,7 @@ class Cloud(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     normals: Float[np.ndarray, "n 3"] | None
-    rows: Int[np.ndarray, "n"]
+    rows: Int[np.ndarray, " n"]
     to_given: Similarity
     num_given: int
     cleaned: bool
@@ -127,7 +127,7 @@ def prepare(
 
 def _kept(
     points: Float[np.ndarray, "n 3"], notes: list[str], *, drop_outliers: bool, remove_ground: bool
-) -> Int[np.ndarray, "m"]:
+) -> Int[np.ndarray, " m"]:
     """Rows of the points that are neither outliers nor ground."""
     rows = np.arange(len(points))
     if drop_outliers:
@@ -141,8 +141,8 @@ def _kept(
 
 
 def _without(
-    rows: Int[np.ndarray, "n"], dropped: Bool[np.ndarray, "n"], why: str, notes: list[str]
-) -> Int[np.ndarray, "m"]:
+    rows: Int[np.ndarray, " n"], dropped: Bool[np.ndarray, " n"], why: str, notes: list[str]
+) -> Int[np.ndarray, " m"]:
     if dropped.any():
         notes.append(f"{np.count_nonzero(dropped)} of {len(rows)} points {why}")
     return rows[~dropped]

@@ -63,14 +63,14 @@ class _Sample(NamedTuple):
 class _Sheet(NamedTuple):
     """A plane with half its thickness, two axes in it, and which points of the sample lie on it."""
 
-    normal: Float[np.ndarray, "3"]
+    normal: Float[np.ndarray, " 3"]
     offset: float
     band: float
     axes: Float[np.ndarray, "3 2"]
-    rows: Bool[np.ndarray, "m"]
+    rows: Bool[np.ndarray, " m"]
 
 
-def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Bool[np.ndarray, "n"]:
+def ground_rows(points: Float[np.ndarray, "n 3"], *, seed: int = 0) -> Bool[np.ndarray, " n"]:
     """Which points lie on the ground plane that the cloud stands on; none where there is no ground plane.
 
     Parts of the object that lie flat within the ground plane's thickness, as a sole does, are taken for the ground.
@@ -112,7 +112,7 @@ def _draw(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> _Sample
     return _Sample(x, tree, neighbours, axes[:, :, 0], places, band)
 
 
-def _largest_sheet(sample: _Sample, free: Bool[np.ndarray, "m"], rng: np.random.Generator) -> _Sheet | None:
+def _largest_sheet(sample: _Sample, free: Bool[np.ndarray, " m"], rng: np.random.Generator) -> _Sheet | None:
     """The plane with the most free points near it whose normals agree, refined; None if too few lie on it."""
     among = rng.permutation(np.flatnonzero(free))
     if len(among) < MIN_SHARE * len(free):
@@ -145,7 +145,7 @@ def _refit(points: Float[np.ndarray, "r 3"], sheet: _Sheet, thickest: float) -> 
     return _Sheet(normal, offset, min(max(3 * deviation, 0.1 * thickest), thickest), axes[:, 1:], sheet.rows)
 
 
-def _all_rows(points: Float[np.ndarray, "n 3"], sample: _Sample, sheet: _Sheet) -> Bool[np.ndarray, "n"]:
+def _all_rows(points: Float[np.ndarray, "n 3"], sample: _Sample, sheet: _Sheet) -> Bool[np.ndarray, " n"]:
     """All points in the slab with at least two of eight sample neighbours in it: an object may be denser."""
     rows = np.abs(points @ sheet.normal - sheet.offset) <= sheet.band
     inside = np.abs(sample.points @ sheet.normal - sheet.offset) <= sheet.band
@@ -177,7 +177,7 @@ def _is_ground(sample: _Sample, sheet: _Sheet) -> bool:
     return bool(np.mean(np.quantile(ground @ across, 0.98, axis=0) > edge) >= MIN_DIRECTIONS)
 
 
-def _solid(rest: Float[np.ndarray, "r 3"], places: Float[np.ndarray, "p 3"]) -> Bool[np.ndarray, "r"]:
+def _solid(rest: Float[np.ndarray, "r 3"], places: Float[np.ndarray, "p 3"]) -> Bool[np.ndarray, " r"]:
     """Which points are surface rather than scatter, by their density and that at random places in the hull."""
     tree = cKDTree(rest)
     around = tree.query(places, k=[NUM_NEIGHBOURS])[0][:, 0]

@@ -37,7 +37,7 @@ MAX_ROUNDS = 4
 """Where outliers are many, those near the surface pass the first round, and are seen once the others are gone."""
 
 
-def scattered(points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
+def scattered(points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
     """Which points are scattered outliers.
 
     Round by round, the points are parted in two by Otsu's threshold on the logarithm of their crowding, and the sparser
@@ -69,7 +69,7 @@ def _neighbours(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "n 
 
 def _fill_space(
     points: Float[np.ndarray, "n 3"],
-    sparse: Int[np.ndarray, "m"],
+    sparse: Int[np.ndarray, " m"],
     distance: Float[np.ndarray, "n k"],
     near: Int[np.ndarray, "n k"],
 ) -> bool:
@@ -86,14 +86,14 @@ def _fill_space(
     return bool(np.median(variance[:, 0] / variance.sum(axis=1)) > ISOTROPIC)
 
 
-def _isolated(points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "n"]:
+def _isolated(points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
     if len(points) <= NUM_NEIGHBOURS:
         return np.zeros(len(points), bool)
     crowding = _neighbours(points)[0].mean(axis=1)
     return crowding > ISOLATED * np.median(crowding)
 
 
-def otsu_threshold(values: Float[np.ndarray, "n"], *, num_bins: int = 128) -> float:
+def otsu_threshold(values: Float[np.ndarray, " n"], *, num_bins: int = 128) -> float:
     """The threshold that parts values in two classes of the least variance within (Otsu 1979)."""
     count, edges = np.histogram(values, num_bins)
     below = np.cumsum(count)

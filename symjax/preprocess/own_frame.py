@@ -52,7 +52,7 @@ def in_own_frame(points: Float[np.ndarray, "n 3"], name: str = "points") -> OwnF
     return OwnFrame(own / diagonal, Similarity(diagonal * extent, frame, centre), extent, rank)
 
 
-def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
+def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, " 3"], float]:
     """Mean and largest coordinate distance from it, for coordinates whose squares or sums may overflow."""
     largest = float(np.abs(points).max())
     if largest == 0:
@@ -66,7 +66,7 @@ def _middle(points: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], f
 
 def _principal_frame(
     points: Float[np.ndarray, "n 3"],
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, "3 3"]]:
     """Singular values, descending, and the principal axes in columns."""
     _, singular, axes = np.linalg.svd(np.linalg.qr(points, mode="r"))
     return singular, axes.T

@@ -14,14 +14,14 @@ PERCENT_WORTH_A_WARNING = 1.0
 """Share of merged points, in per cent, above which a warning is given."""
 
 
-def evenly(count: int, most: int) -> Int[np.ndarray, "m"]:
+def evenly(count: int, most: int) -> Int[np.ndarray, " m"]:
     """At most `most` of the numbers below `count`, drawn with a fixed seed: an even draw keeps relative densities."""
     if count <= most:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def on_grid(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray, "m"]:
+def on_grid(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray, " m"]:
     """Rows of one point a grid cell, the nearest to its centre: the finest cells that leave at most `max_points`.
 
     Args:
@@ -42,12 +42,12 @@ def on_grid(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray
     return np.sort(order[first])
 
 
-def _cells(points: Float[np.ndarray, "n 3"], size: float) -> Int[np.ndarray, "n"]:
+def _cells(points: Float[np.ndarray, "n 3"], size: float) -> Int[np.ndarray, " n"]:
     cell = np.floor(points / size).astype(np.int64) + 2**20
     return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
 
 
-def distinct(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarray, "m"]:
+def distinct(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarray, " m"]:
     """Rows of the distinct points, in order; what was merged is noted, and warned of if it is much.
 
     Args:

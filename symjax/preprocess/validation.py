@@ -47,7 +47,7 @@ def require(count: int, what: str) -> None:
 
 def finite_rows(
     points: Float[np.ndarray, "n d"], nonfinite: str, notes: list[str], *, noun: str = "points"
-) -> Int[np.ndarray, "m"]:
+) -> Int[np.ndarray, " m"]:
     """Rows without NaN and infinity; with `nonfinite="raise"`, NonfiniteError if that is not all of them.
 
     Args:
@@ -68,7 +68,7 @@ def finite_rows(
     return np.flatnonzero(finite)
 
 
-def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m 3"]:
+def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray, " m"]) -> Float[np.ndarray, "m 3"]:
     """The normals of some rows of the points, as float64.
 
     Args:

@@ -187,7 +187,7 @@ def _peaks(ranked: list[Candidate], scorer: _Scorer) -> list[Candidate]:
     return kept
 
 
-def _between(a: Plane, b: Plane, middle: Float[np.ndarray, "3"]) -> Iterator[Plane]:
+def _between(a: Plane, b: Plane, middle: Float[np.ndarray, " 3"]) -> Iterator[Plane]:
     """Planes on the shorter way from one to the other, turning about the line in which they meet."""
     start, end = (np.append(plane.normal, plane.offset - plane.normal @ middle) for plane in (a, b))
     end = -end if start[:3] @ end[:3] < 0 else end
@@ -197,7 +197,7 @@ def _between(a: Plane, b: Plane, middle: Float[np.ndarray, "3"]) -> Iterator[Pla
         yield Plane(normal / length, offset[0] / length + normal @ middle / length)
 
 
-def _common_point(planes: tuple[Plane, ...]) -> Float[np.ndarray, "3"]:
+def _common_point(planes: tuple[Plane, ...]) -> Float[np.ndarray, " 3"]:
     """The point nearest to all planes by least squares; then again without the planes that miss it."""
     normals, offsets = np.stack([p.normal for p in planes]), np.array([p.offset for p in planes])
     point = np.linalg.lstsq(normals, offsets)[0]
@@ -219,7 +219,7 @@ def _axis(planes: list[Plane], scorer: _Scorer, least: float) -> Axis | None:
     return None
 
 
-def _through_line(point: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3"]) -> list[Plane]:
+def _through_line(point: Float[np.ndarray, " 3"], direction: Float[np.ndarray, " 3"]) -> list[Plane]:
     """Planes through a line, at even angles."""
     first, second = tangent_frames(direction).T
     turns = np.pi * (np.arange(AXIS_PLANES) + 0.5) / AXIS_PLANES
@@ -227,6 +227,6 @@ def _through_line(point: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3
     return [Plane(normal, normal @ point) for normal in normals]
 
 
-def _tilted(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def _tilted(direction: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     """A direction well off another: planes about it are planes about the other only by chance."""
     return (direction + tangent_frames(direction)[:, 0]) / np.sqrt(2)

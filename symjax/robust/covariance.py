@@ -6,7 +6,7 @@ from jaxtyping import Float, Int
 from symjax.geometry.plane import Plane
 
 
-def mirror_clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, "n"]:
+def mirror_clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, " n"]:
     """Labels of cells of the half space that the plane folds the cloud into: a point and its mirror image share one.
 
     Args:
@@ -20,7 +20,7 @@ def mirror_clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float)
 
 
 def clustered_covariance(
-    gradients: Float[np.ndarray, "n 3"], hessians: Float[np.ndarray, "n 3 3"], cluster: Int[np.ndarray, "n"]
+    gradients: Float[np.ndarray, "n 3"], hessians: Float[np.ndarray, "n 3 3"], cluster: Int[np.ndarray, " n"]
 ) -> Float[np.ndarray, "3 3"]:
     """Sandwich covariance of an M-estimate by the jackknife over clusters (CR3), one Newton step for each left out.
 

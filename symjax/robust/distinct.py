@@ -15,6 +15,6 @@ def is_same_candidate(a: Plane, b: Plane) -> bool:
     return bool(near(a, b, angle=SAME_ANGLE, offset=SAME_OFFSET))
 
 
-def distinct(planes: Plane, order: Int[np.ndarray, "p"], most: int) -> Int[np.ndarray, "r"]:
+def distinct(planes: Plane, order: Int[np.ndarray, " p"], most: int) -> Int[np.ndarray, " r"]:
     """Rows of at most `most` distinct planes, in the order of preference."""
     return suppress(planes, order, angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)

@@ -68,7 +68,7 @@ def paired(surface: Surface, rng: np.random.Generator, count: int) -> Plane:
     return Plane(step, (step * (surface.points[i] + surface.points[j])).sum(axis=1) / 2)
 
 
-def _evenly_over_directions(step: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, "p"]:
+def _evenly_over_directions(step: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, " p"]:
     """All rows in a random order in which rows of rare directions come early."""
     cell = np.unique(np.round(4 * step * np.sign(step[:, :1] + 1e-12)).astype(int), axis=0, return_inverse=True)[1]
     crowding = np.bincount(cell.ravel())[cell.ravel()]

@@ -34,14 +34,14 @@ class Quadrics(NamedTuple):
 
     frames: Similarity
     coefficients: Float[np.ndarray, "n 6"]
-    reach: Float[np.ndarray, "n"]
+    reach: Float[np.ndarray, " n"]
     scatter: float
 
-    def frames_of(self, rows: Int[np.ndarray, "m"]) -> Similarity:
+    def frames_of(self, rows: Int[np.ndarray, " m"]) -> Similarity:
         """The frames of some points."""
         return Similarity(self.frames.scale, np.asarray(self.frames.rotation)[rows], self.frames.shift[rows])
 
-    def heights(self, points: Float[np.ndarray, "m 3"], rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    def heights(self, points: Float[np.ndarray, "m 3"], rows: Int[np.ndarray, " m"]) -> Float[np.ndarray, " m"]:
         """Height of every point above the quadric of its row."""
         u, w, z = np.asarray(self.frames_of(rows).points(points)).T
         return z - (self.coefficients[rows] * _monomials(u, w)).sum(axis=1)
@@ -54,7 +54,7 @@ def fit_quadrics(surface: Surface) -> Quadrics:
     return _fitted(surface, near, distance[:, -1])
 
 
-def _fitted(surface: Surface, near: Int[np.ndarray, "n k"], reach: Float[np.ndarray, "n"]) -> Quadrics:
+def _fitted(surface: Surface, near: Int[np.ndarray, "n k"], reach: Float[np.ndarray, " n"]) -> Quadrics:
     axes = np.concatenate([tangent_frames(surface.normals), surface.normals[:, :, None]], axis=2)
     frames = Similarity(1.0, axes, surface.points).inverse()
     of_neighbours = Similarity(1.0, np.asarray(frames.rotation)[:, None], frames.shift[:, None])

@@ -59,7 +59,7 @@ class Residuals(NamedTuple):
     x: Float[Array, "m 3"]
     frames: Similarity
     coefficients: Float[Array, "m 6"]
-    weight: Float[Array, "m"]
+    weight: Float[Array, " m"]
 
 
 class Refinement(NamedTuple):
@@ -80,7 +80,7 @@ class Refinement(NamedTuple):
     message: str
 
 
-def heights(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m"]:
+def heights(z: Float[Array, " 4"], data: Residuals) -> Float[Array, " m"]:
     """Heights of the mirror images above the quadrics at the plane z = (v, ω).
 
     Column by column: with `Plane.reflect` and `Similarity.points`, whose results are stacked, a solve takes 2.5 times
@@ -96,20 +96,20 @@ def heights(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m"]:
     return height - (c[0] + c[1] * u + c[2] * w + c[3] * u * u + c[4] * u * w + c[5] * w * w)
 
 
-def _psi(z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals) -> Float[Array, ""]:
+def _psi(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> Float[Array, ""]:
     kernel = jnp.sum(data.weight * jnp.exp(-0.5 * (heights(z, data) / sigma) ** 2))
     return -(sigma**2) * jnp.log(kernel / jnp.sum(data.weight) + 1e-300)
 
 
 @jax.jit
-def _solve(z: Float[Array, "4"], sigma: Float[Array, ""], data: Residuals) -> tuple[Minimum, Float[Array, "m"]]:
+def _solve(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> tuple[Minimum, Float[Array, " m"]]:
     tol = 1e-4 * sigma
     minimum = minimize(lambda z: _psi(z, sigma, data), z, manifold=SPHERE_LINE, max_steps=50, tol=tol)
     return minimum, heights(minimum.point, data)
 
 
 @jax.jit
-def _slopes(z: Float[Array, "4"], data: Residuals) -> Float[Array, "m 3"]:
+def _slopes(z: Float[Array, " 4"], data: Residuals) -> Float[Array, "m 3"]:
     """Derivative of every height in the tangent chart at z."""
     basis = SPHERE_LINE.basis(z)
     return jax.jacfwd(lambda t: heights(SPHERE_LINE.retract(z, basis @ t), data))(jnp.zeros(3, z.dtype))
@@ -148,8 +148,8 @@ def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
 
 
 def _paired(
-    z: Float[np.ndarray, "4"], surface: Surface, quadrics: Quadrics
-) -> tuple[Residuals, Float[np.ndarray, "n"]]:
+    z: Float[np.ndarray, " 4"], surface: Surface, quadrics: Quadrics
+) -> tuple[Residuals, Float[np.ndarray, " n"]]:
     """Every point with its partner's quadric, and its weight: 0 if the partner is far or faces another way."""
     plane = Plane(z[:3], z[3])
     height = np.asarray(plane.signed_distance(surface.points))
@@ -166,7 +166,7 @@ def _padded(
     x: Float[np.ndarray, "n 3"],
     frames: Similarity,
     coefficients: Float[np.ndarray, "n 6"],
-    weight: Float[np.ndarray, "n"],
+    weight: Float[np.ndarray, " n"],
 ) -> Residuals:
     extra = padded_size(len(x), LEAST_SIZE) - len(x)
 
@@ -177,7 +177,7 @@ def _padded(
     return Residuals(padded(x), Similarity(1.0, rotation, shift), padded(coefficients), padded(weight))
 
 
-def _scale(residual: Float[np.ndarray, "n"], weight: Float[np.ndarray, "n"], sigma: float) -> float:
+def _scale(residual: Float[np.ndarray, " n"], weight: Float[np.ndarray, " n"], sigma: float) -> float:
     """σ for the next round: a multiple of the residuals' median size, without the outliers."""
     inlier = (weight > 0) & (np.abs(residual) < 3 * sigma)
     if not inlier.any():

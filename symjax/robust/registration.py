@@ -41,7 +41,7 @@ class Probes(NamedTuple):
 
     x: Float[Array, "m 3"]
     normals: Float[Array, "m 3"]
-    weight: Float[Array, "m"]
+    weight: Float[Array, " m"]
 
 
 def _dot(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n"]:
@@ -54,11 +54,11 @@ def _dot(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#
 
 
 class _Mirrored(NamedTuple):
-    height: Float[Array, "m"]  # v·x − ω
+    height: Float[Array, " m"]  # v·x − ω
     offset: Float[Array, "m 3"]  # from the partner to the mirror image
     normal: Float[Array, "m 3"]  # the partner's
-    cosine: Float[Array, "m"]  # of the two normals; 1 if they are not used
-    penalty: Float[Array, "m"]
+    cosine: Float[Array, " m"]  # of the two normals; 1 if they are not used
+    penalty: Float[Array, " m"]
 
 
 def _mirrored(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) -> _Mirrored:
@@ -76,7 +76,7 @@ def _mirrored(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) 
 
 def _weight_and_agreement(
     sigma: Float[Array, ""], probes: Probes, m: _Mirrored
-) -> tuple[Float[Array, "m"], Float[Array, "m"]]:
+) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
     """How much each point counts, and how well its mirror image agrees with the partner, 0 to 1."""
     weight = probes.weight * (1 - jnp.exp(-2 * (m.height / (FAR * sigma)) ** 2))
     return weight, jnp.exp(-_dot(m.offset, m.offset) / (2 * sigma**2)) * m.cosine**2
@@ -85,7 +85,7 @@ def _weight_and_agreement(
 @partial(jax.jit, static_argnames=("use_normals",))
 def grid_scores(
     planes: Plane, sigma: Float[Array, ""], probes: Probes, grid: VoxelGrid, *, use_normals: bool = True
-) -> Float[Array, "p"]:
+) -> Float[Array, " p"]:
     """Scores of planes, with the partners of the voxel grid (see `PlaneScore.score`).
 
     Args:
@@ -109,7 +109,7 @@ def grid_scores(
 @partial(jax.jit, static_argnames=("isotropic", "use_normals"))
 def register(
     planes: Plane,
-    sigmas: Float[Array, "s"],
+    sigmas: Float[Array, " s"],
     probes: Probes,
     grid: VoxelGrid,
     *,

@@ -39,17 +39,17 @@ class PlaneScore(NamedTuple):
         penalty: non-match penalty, 0 to 1: how much a point counts against the plane where its image does not agree.
     """
 
-    partner: Int[np.ndarray, "m"]
-    agreement: Float[np.ndarray, "m"]
-    weight: Float[np.ndarray, "m"]
-    penalty: Float[np.ndarray, "m"]
+    partner: Int[np.ndarray, " m"]
+    agreement: Float[np.ndarray, " m"]
+    weight: Float[np.ndarray, " m"]
+    penalty: Float[np.ndarray, " m"]
 
     @property
     def score(self) -> float:
         """The sum of the agreement over the sum of agreement and non-match penalty, weighted; 0 to 1."""
         return self.score_of(self.agreement)
 
-    def score_of(self, agreement: Float[np.ndarray, "m"]) -> float:
+    def score_of(self, agreement: Float[np.ndarray, " m"]) -> float:
         """The score for another agreement of the same points."""
         agreeing = float((self.weight * agreement).sum())
         return agreeing / (agreeing + float((self.weight * (1 - agreement) * self.penalty).sum()) + 1e-12)
@@ -59,7 +59,7 @@ def score_plane(
     plane: Plane,
     surface: Surface,
     grid: VoxelGrid,
-    rows: Int[np.ndarray, "m"] | slice = slice(None),
+    rows: Int[np.ndarray, " m"] | slice = slice(None),
     *,
     use_normals: bool = True,
 ) -> PlaneScore:

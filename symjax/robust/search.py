@@ -113,7 +113,7 @@ def _registered(planes: Plane, stage: Round, probes: Probes, grid: VoxelGrid, us
     return Plane(normal / np.linalg.norm(normal, axis=1, keepdims=True), offset)
 
 
-def _probes(surface: Surface, order: Int[np.ndarray, "n"], count: int) -> Probes:
+def _probes(surface: Surface, order: Int[np.ndarray, " n"], count: int) -> Probes:
     """The first points of an order; of a small cloud some twice, so that the shape is the same."""
     rows = np.resize(order, count)
     weight = surface.confidence[rows] / surface.confidence[rows].mean()
@@ -121,13 +121,13 @@ def _probes(surface: Surface, order: Int[np.ndarray, "n"], count: int) -> Probes
     return Probes(*(jnp.asarray(column.astype(np.float32)) for column in columns))
 
 
-def _as_batch(planes: Plane, rows: Int[np.ndarray, "r"] | slice) -> Plane:
+def _as_batch(planes: Plane, rows: Int[np.ndarray, " r"] | slice) -> Plane:
     return Plane(*(jnp.asarray(column[rows].astype(np.float32)) for column in planes))
 
 
 def _grid_scores(
     planes: Plane, sigma: float, probes: Probes, grid: VoxelGrid, use_normals: bool
-) -> Float[np.ndarray, "p"]:
+) -> Float[np.ndarray, " p"]:
     count = len(planes.offset)
     size = min(count, CHUNK)
     chunks = np.resize(np.arange(count), (-(-count // size), size))

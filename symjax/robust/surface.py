@@ -46,8 +46,8 @@ class Surface(NamedTuple):
 
     points: Float[np.ndarray, "n 3"]
     normals: Float[np.ndarray, "n 3"]
-    confidence: Float[np.ndarray, "n"]
-    boundary: Bool[np.ndarray, "n"]
+    confidence: Float[np.ndarray, " n"]
+    boundary: Bool[np.ndarray, " n"]
     spacing: float
     thickness: float
     noisy: bool
@@ -109,8 +109,8 @@ def _is_noisy(points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "n k"], sp
 
 
 def _scatter(
-    points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "m k"], weight: Float[np.ndarray, "n"]
-) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m 3"]]:
+    points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "m k"], weight: Float[np.ndarray, " n"]
+) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, "m 3"]]:
     """Least variance of neighbours about their mean, and its direction."""
     normalised = weight[near] + 1e-6
     normalised = normalised / normalised.sum(axis=1, keepdims=True)
@@ -123,7 +123,7 @@ def _scatter(
 
 def _confidence(
     points: Float[np.ndarray, "n 3"], normals: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "n k"], tolerance: float
-) -> Float[np.ndarray, "n"]:
+) -> Float[np.ndarray, " n"]:
     near = near[:, :CONFIDENCE_NEIGHBOURS]
     theirs = normals[near]
     height = ((points[:, None] - points[near]) * theirs).sum(axis=2)
@@ -136,7 +136,7 @@ def _is_boundary(
     normals: Float[np.ndarray, "n 3"],
     near: Int[np.ndarray, "n k"],
     distance: Float[np.ndarray, "n k"],
-) -> Bool[np.ndarray, "n"]:
+) -> Bool[np.ndarray, " n"]:
     offset = points[near].mean(axis=1) - points
     offset -= (offset * normals).sum(axis=1, keepdims=True) * normals
     return np.linalg.norm(offset, axis=1) > BOUNDARY * distance[:, -1]

@@ -54,14 +54,14 @@ class Viewpoint(NamedTuple):
         depth: distance of the nearest seen point in every pixel and its neighbours; infinite where none is.
     """
 
-    towards: Float[np.ndarray, "3"]
-    middle: Float[np.ndarray, "3"]
+    towards: Float[np.ndarray, " 3"]
+    middle: Float[np.ndarray, " 3"]
     distance: float
     pixel: float
-    corner: Float[np.ndarray, "2"]
+    corner: Float[np.ndarray, " 2"]
     depth: Float[np.ndarray, "w h"]
 
-    def penalty(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+    def penalty(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """Non-match penalty of points: how much it counts against a surface there that none was seen."""
         image, depth = _project(points - self.middle, self.towards, self.distance)
         at = np.floor((image - self.corner) / self.pixel).astype(int)
@@ -101,8 +101,8 @@ def find_viewpoint(surface: Surface) -> Viewpoint | None:
 
 def _seen_from(
     points: Float[np.ndarray, "n 3"],
-    towards: Float[np.ndarray, "3"],
-    middle: Float[np.ndarray, "3"],
+    towards: Float[np.ndarray, " 3"],
+    middle: Float[np.ndarray, " 3"],
     distance: float,
     pixel: float,
 ) -> Viewpoint:
@@ -116,8 +116,8 @@ def _seen_from(
 
 
 def _project(
-    points: Float[np.ndarray, "n 3"], towards: Float[np.ndarray, "3"], distance: float
-) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
+    points: Float[np.ndarray, "n 3"], towards: Float[np.ndarray, " 3"], distance: float
+) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, " n"]]:
     """Image coordinates, at the scale of the middle, and depth, of points about the middle."""
     depth = distance - points @ towards
     return points @ tangent_frames(towards) * (distance / depth)[:, None], depth
@@ -125,12 +125,12 @@ def _project(
 
 def _visible_shares(
     surface: Surface,
-    middle: Float[np.ndarray, "3"],
+    middle: Float[np.ndarray, " 3"],
     directions: Float[np.ndarray, "d 3"],
     distance: float,
     pixel: float,
     step: int,
-) -> Float[np.ndarray, "d"]:
+) -> Float[np.ndarray, " d"]:
     """Share of every `step`-th point that is visible from each direction; the pixels grow with the spacing."""
     points, normals = surface.points[::step] - middle, surface.normals[::step]
     side = pixel * np.sqrt(step)
@@ -140,7 +140,7 @@ def _visible_shares(
 def _visible_share(
     points: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
-    towards: Float[np.ndarray, "3"],
+    towards: Float[np.ndarray, " 3"],
     distance: float,
     pixel: float,
 ) -> float:
@@ -161,13 +161,13 @@ def _visible_share(
     return 1.0 - float(hidden.mean())
 
 
-def _first_of_run(key: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
+def _first_of_run(key: Int[np.ndarray, " n"]) -> Int[np.ndarray, " n"]:
     """For every entry of a sorted array the position of the first that equals it."""
     new = np.r_[True, key[1:] != key[:-1]]
     return np.flatnonzero(new)[np.cumsum(new) - 1]
 
 
-def _bulge(surface: Surface, towards: Float[np.ndarray, "3"]) -> float:
+def _bulge(surface: Surface, towards: Float[np.ndarray, " 3"]) -> float:
     """Positive where the surface, on the whole, bulges in a direction: neighbours lie behind the tangent planes."""
     near = cKDTree(surface.points).query(surface.points, k=32, workers=-1)[1]
     outward = surface.normals * np.sign(surface.normals @ towards)[:, None]

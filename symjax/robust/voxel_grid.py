@@ -28,11 +28,11 @@ class VoxelGrid(NamedTuple):
             where it finds no partner.
     """
 
-    origin: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, " 3"]
     cell: Float[np.ndarray, ""]
     point: Float[np.ndarray, "c 3"]
     normal: Float[np.ndarray, "c 3"]
-    penalty: Float[np.ndarray, "c"]
+    penalty: Float[np.ndarray, " c"]
 
 
 def voxel_grid(surface: Surface, viewpoint: Viewpoint | None, *, boundary_penalty: float) -> VoxelGrid:
@@ -70,12 +70,12 @@ def voxel_grid(surface: Surface, viewpoint: Viewpoint | None, *, boundary_penalt
     )
 
 
-def _middles(origin: Float[np.ndarray, "3"], cell: float) -> Float[np.ndarray, "c 3"]:
+def _middles(origin: Float[np.ndarray, " 3"], cell: float) -> Float[np.ndarray, "c 3"]:
     along = [origin[i] + cell * (np.arange(SIZE) + 0.5) for i in range(3)]
     return np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def penalty_at(grid: VoxelGrid, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+def penalty_at(grid: VoxelGrid, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """Non-match penalty of the voxels that points lie in."""
     at = np.clip(((points - grid.origin) / grid.cell).astype(int), 0, SIZE - 1)
     return grid.penalty[(at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]]

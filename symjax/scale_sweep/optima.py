@@ -32,7 +32,7 @@ class Optimum(NamedTuple):
     share: float
 
 
-def optima(planes: Plane, loss: Float[np.ndarray, "r"], rank: Int[np.ndarray, "r"]) -> list[Optimum]:
+def optima(planes: Plane, loss: Float[np.ndarray, " r"], rank: Int[np.ndarray, " r"]) -> list[Optimum]:
     """The distinct optima, the best first.
 
     Args:
@@ -51,12 +51,12 @@ def optima(planes: Plane, loss: Float[np.ndarray, "r"], rank: Int[np.ndarray, "r
 
 def ranks(
     planes: Plane,
-    loss: Float[np.ndarray, "r"],
-    converged: Bool[np.ndarray, "r"],
+    loss: Float[np.ndarray, " r"],
+    converged: Bool[np.ndarray, " r"],
     *,
-    centre: Float[np.ndarray, "3"],
+    centre: Float[np.ndarray, " 3"],
     diagonal: float,
-) -> Int[np.ndarray, "r"]:
+) -> Int[np.ndarray, " r"]:
     """The rank of the optimum that each start has reached, by loss: 0 is the best.
 
     Args:

@@ -81,8 +81,8 @@ _HOVER = "%{text}<br>%{y:.4g}<extra></extra>"
 
 
 def _heights(
-    sweep: "ScaleSweep", planes: "Plane", loss: Float[np.ndarray, "k"], fractions: Float[np.ndarray, "k"]
-) -> list[Float[np.ndarray, "k"]]:
+    sweep: "ScaleSweep", planes: "Plane", loss: Float[np.ndarray, " k"], fractions: Float[np.ndarray, " k"]
+) -> list[Float[np.ndarray, " k"]]:
     """Of planes, what the three panels show."""
     truth, pairs = sweep.estimated.plane, sweep.pairs
     angle = np.asarray(deviation_angle(planes.normal, truth.normal))

@@ -28,7 +28,7 @@ class SweepPairs(NamedTuple):
 
     x: Float[np.ndarray, "n 3"]
     y: Float[np.ndarray, "n 3"]
-    centre: Float[np.ndarray, "3"]
+    centre: Float[np.ndarray, " 3"]
     diagonal: float
     notes: tuple[str, ...]
 

@@ -52,7 +52,7 @@ class ScaleSweep(NamedTuple):
 
     pairs: SweepPairs
     options: Options
-    fractions: Float[np.ndarray, "S"]
+    fractions: Float[np.ndarray, " S"]
     fits: Fit
     rank: Int[np.ndarray, "S R"]
     best: Fit
@@ -96,7 +96,7 @@ def scale_sweep(
 
 def _swept(
     pairs: SweepPairs,
-    sigmas: Float[np.ndarray, "S"],
+    sigmas: Float[np.ndarray, " S"],
     options: Options,
     stage: Callable[[str], None],
     advance: Callable[[int, int], None],
@@ -107,7 +107,7 @@ def _swept(
     size = len(sigmas) if is_whole else -(-len(sigmas) // min(parts, len(sigmas)))
     key = jax.random.key(options.seed) if options.start == "random" else None
 
-    def run(some: Float[np.ndarray, "s"]) -> Fit:
+    def run(some: Float[np.ndarray, " s"]) -> Fit:
         padded = np.concatenate([some, np.repeat(some[-1:], size - len(some))])
         fits = sweep(
             pairs.x,

@@ -99,7 +99,7 @@ class SphereMap:
             *({name: trace[name] for name in varying if name in trace} for trace in points),
         ]
 
-    def _cells(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> dict[str, Any]:
+    def _cells(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> dict[str, Any]:
         """The sphere, every triangle in the colour of the nearest start; white where none is near."""
         x, y, z = self._vertices.T.astype(np.float32)
         i, j, k = self._faces.T.astype(np.int32)
@@ -117,7 +117,7 @@ class SphereMap:
             "scene": "scene",
         }
 
-    def _painted(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> Int[np.ndarray, "f"]:
+    def _painted(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> Int[np.ndarray, " f"]:
         if len(normals) == 0:
             return np.full(len(self._middles), EMPTY, np.uint8)
         # the starts share half the sphere, of area 2π
@@ -126,7 +126,7 @@ class SphereMap:
         painted = colour_index(rank)[nearest % len(normals)]
         return np.where(distance < reach, painted, EMPTY).astype(np.uint8)
 
-    def _starts(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, "r"]) -> dict[str, Any]:
+    def _starts(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> dict[str, Any]:
         both = DOT * np.concatenate([normals, -normals]).astype(np.float32)
         return {
             "type": "scatter3d",
@@ -174,7 +174,7 @@ class SphereMap:
         }
 
 
-def view(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
+def view(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     """The scene: the sphere from nearly above the estimated normal."""
     up = -tangent_frames(normal)[:, 1]
     toward = np.cos(TILT) * normal - np.sin(TILT) * up
@@ -221,7 +221,7 @@ def _axes() -> dict[str, Any]:
     }
 
 
-def _estimated(normal: Float[np.ndarray, "3"]) -> dict[str, Any]:
+def _estimated(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     ends = 1.12 * np.stack([normal, -normal])
     return {
         "type": "scatter3d",

@@ -36,7 +36,7 @@ class Keypoints(NamedTuple):
     `spacing` is the median distance of the cloud's points from the nearest keypoint other than themselves.
     """
 
-    rows: Int[np.ndarray, "a"]
+    rows: Int[np.ndarray, " a"]
     num_salient: int
     spacing: float
 
@@ -65,7 +65,7 @@ def keypoints(
     return Keypoints(rows, len(salient), _spacing(points, rows))
 
 
-def _spacing(points: Float[np.ndarray, "n 3"], rows: Int[np.ndarray, "a"]) -> float:
+def _spacing(points: Float[np.ndarray, "n 3"], rows: Int[np.ndarray, " a"]) -> float:
     distance = cKDTree(points[rows]).query(points, k=2)[0]
     nearest = distance[:, 0].copy()
     nearest[rows] = distance[rows, 1]
@@ -87,7 +87,7 @@ def shape_signatures(
     radius: float = RADIUS,
     max_ratio: float = MAX_RATIO,
     min_neighbours: int = 5,
-) -> Int[np.ndarray, "a"]:
+) -> Int[np.ndarray, " a"]:
     """Rows of the intrinsic shape signature keypoints, the most salient first.
 
     Args:
@@ -114,8 +114,8 @@ def shape_signatures(
 
 
 def farthest_points(
-    points: Float[np.ndarray, "n 3"], num_keypoints: int, *, seeds: Int[np.ndarray, "s"] | None = None
-) -> Int[np.ndarray, "a"]:
+    points: Float[np.ndarray, "n 3"], num_keypoints: int, *, seeds: Int[np.ndarray, " s"] | None = None
+) -> Int[np.ndarray, " a"]:
     """Rows of `num_keypoints` points, each the farthest from those before it.
 
     Args:
@@ -135,9 +135,9 @@ def farthest_points(
 
 def _scatter_eigenvalues(
     points: Float[np.ndarray, "n 3"],
-    row: Int[np.ndarray, "e"],
-    column: Int[np.ndarray, "e"],
-    num_neighbours: Int[np.ndarray, "n"],
+    row: Int[np.ndarray, " e"],
+    column: Int[np.ndarray, " e"],
+    num_neighbours: Int[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n 3"]:
     """Eigenvalues, ascending, of each point's scatter, its neighbours weighted by 1 / their own crowding."""
     weight = 1.0 / np.maximum(num_neighbours, 1)[column]
@@ -152,11 +152,11 @@ def _scatter_eigenvalues(
 
 
 def _local_maximum(
-    saliency: Float[np.ndarray, "n"],
-    candidate: Bool[np.ndarray, "n"],
-    row: Int[np.ndarray, "e"],
-    column: Int[np.ndarray, "e"],
-) -> Bool[np.ndarray, "n"]:
+    saliency: Float[np.ndarray, " n"],
+    candidate: Bool[np.ndarray, " n"],
+    row: Int[np.ndarray, " e"],
+    column: Int[np.ndarray, " e"],
+) -> Bool[np.ndarray, " n"]:
     """Whether no candidate among a point's neighbours is more salient."""
     best = np.zeros(len(saliency))
     np.maximum.at(best, row, np.where(candidate, saliency, 0.0)[column])

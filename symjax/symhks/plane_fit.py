@@ -41,7 +41,7 @@ class CandidateFits(NamedTuple):
     """
 
     candidates: tuple[Candidate, ...]
-    weight: Float[np.ndarray, "m"]
+    weight: Float[np.ndarray, " m"]
     threshold: float
     converged: bool
     message: str
@@ -155,6 +155,6 @@ def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: PaddedPairs) -> 
     return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
 
-def _scores(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarray, "p"]:
+def _scores(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarray, " p"]:
     """Mean L2E weight of the real pairs at every plane."""
     return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())

@@ -20,7 +20,7 @@ TimeScale = Literal["logarithmic", "uniform"]
 
 def diffusion_times(
     spectrum: Spectrum, *, num_times: int = NUM_TIMES, scale: TimeScale = "logarithmic"
-) -> Float[np.ndarray, "p"]:
+) -> Float[np.ndarray, " p"]:
     """Diffusion times between the extremes of the spectrum, in squared units of the points.
 
     `"uniform"` is the paper's choice, evenly in [10 ln10/λ_k, 10 ln10/λ_2]; `"logarithmic"` is that of Sun et al.,
@@ -42,7 +42,7 @@ def diffusion_times(
     return np.geomspace(4 * np.log(10) / fastest, 4 * np.log(10) / slowest, num_times)
 
 
-def heat_kernel_signatures(spectrum: Spectrum, times: Float[np.ndarray, "p"]) -> Float[np.ndarray, "n p"]:
+def heat_kernel_signatures(spectrum: Spectrum, times: Float[np.ndarray, " p"]) -> Float[np.ndarray, "n p"]:
     """Heat kernel signatures Σ_j exp(-t λ_j) φ_j² of all points (the paper's Eq. 9), times the area.
 
     The printed signature is not scale invariant, since eigenfunctions normalised by area shrink as the cloud grows;
@@ -65,7 +65,7 @@ def whiten(signatures: Float[np.ndarray, "a p"], reference: Float[np.ndarray, "n
     return (signatures - mean) @ axes[kept].T / spread[kept]
 
 
-def sign_vectors(spectrum: Spectrum, index: Int[np.ndarray, "a"]) -> Int[np.ndarray, "a k"]:
+def sign_vectors(spectrum: Spectrum, index: Int[np.ndarray, " a"]) -> Int[np.ndarray, "a k"]:
     """Signs of the eigenfunctions at points: +1 where φ_j ≥ 0, else -1.
 
     Neighbours share them; a point and its twin differ where an eigenfunction is odd under the reflection.

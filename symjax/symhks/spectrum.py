@@ -37,9 +37,9 @@ SHIFT = -1e-2
 class Spectrum(NamedTuple):
     """Generalised eigenpairs L φ = λ M φ, eigenvalues ascending, φᵀ M φ = 1."""
 
-    eigenvalues: Float[np.ndarray, "k"]
+    eigenvalues: Float[np.ndarray, " k"]
     eigenfunctions: Float[np.ndarray, "n k"]
-    mass: Float[np.ndarray, "n"]
+    mass: Float[np.ndarray, " n"]
 
     @property
     def area(self) -> float:
@@ -106,7 +106,7 @@ def star_laplacian(
     *,
     normals: Float[np.ndarray, "n 3"] | None = None,
     num_neighbours: int = STAR_NEIGHBOURS,
-) -> tuple[csc_matrix, Float[np.ndarray, "n"]]:
+) -> tuple[csc_matrix, Float[np.ndarray, " n"]]:
     """Tufted Laplacian L (positive semi-definite, sparse) and lumped mass of a point cloud.
 
     Args:
@@ -140,7 +140,7 @@ def star_laplacian(
 
 def library_laplacian(
     points: Float[np.ndarray, "n 3"], *, num_neighbours: int = STAR_NEIGHBOURS
-) -> tuple[csc_matrix, Float[np.ndarray, "n"]]:
+) -> tuple[csc_matrix, Float[np.ndarray, " n"]]:
     """Sharp and Crane's Laplacian of points by their library's own routine, which estimates the normals itself.
 
     It loses area on dense clouds and away from the origin; `experiments.run sphere` measures how much.

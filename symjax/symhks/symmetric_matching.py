@@ -68,8 +68,8 @@ def least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.nda
 
 
 def _relax(
-    weight: Float[np.ndarray, "e"], i: Int[np.ndarray, "e"], j: Int[np.ndarray, "e"], num_pairs: int
-) -> tuple[float, Float[np.ndarray, "e"], csr_array, Float[np.ndarray, "r"]]:
+    weight: Float[np.ndarray, " e"], i: Int[np.ndarray, " e"], j: Int[np.ndarray, " e"], num_pairs: int
+) -> tuple[float, Float[np.ndarray, " e"], csr_array, Float[np.ndarray, " r"]]:
     """Linear relaxation: its optimum, the edges' reduced costs, and its rows and their limits.
 
     The rows say that a point is in one edge at most, and those of `_odd_cuts` follow.
@@ -90,8 +90,8 @@ def _relax(
 
 
 def _odd_cuts(
-    x: Float[np.ndarray, "e"], i: Int[np.ndarray, "e"], j: Int[np.ndarray, "e"]
-) -> tuple[csr_array, Float[np.ndarray, "c"]]:
+    x: Float[np.ndarray, " e"], i: Int[np.ndarray, " e"], j: Int[np.ndarray, " e"]
+) -> tuple[csr_array, Float[np.ndarray, " c"]]:
     """Rows and limits that x breaks: 2m + 1 points hold at most m edges of a matching (Edmonds, 1965).
 
     Looked for among the connected pieces of the edges in use: a fractional solution mostly has odd rings of 1/2.
@@ -108,7 +108,7 @@ def _odd_cuts(
 
 
 def _linear_program(
-    weight: Float[np.ndarray, "e"], rows: csr_array, limits: Float[np.ndarray, "r"], num_pairs: int
+    weight: Float[np.ndarray, " e"], rows: csr_array, limits: Float[np.ndarray, " r"], num_pairs: int
 ) -> OptimizeResult:
     result = linprog(weight, A_ub=rows, b_ub=limits, A_eq=np.ones((1, len(weight))), b_eq=[num_pairs])
     if result.status == 2:
@@ -119,8 +119,8 @@ def _linear_program(
 
 
 def _integer_program(
-    weight: Float[np.ndarray, "e"], rows: csr_array, limits: Float[np.ndarray, "r"], num_pairs: int
-) -> Int[np.ndarray, "q"] | None:
+    weight: Float[np.ndarray, " e"], rows: csr_array, limits: Float[np.ndarray, " r"], num_pairs: int
+) -> Int[np.ndarray, " q"] | None:
     """The q edges of least weight within the limits of the rows; None if there are none such."""
     every = LinearConstraint(np.ones((1, len(weight))), num_pairs, num_pairs)
     result = milp(

@@ -22,7 +22,7 @@ class DrawablePairs(Protocol):
         """The other end."""
 
     @property
-    def weight(self) -> Float[np.ndarray, "m"]:
+    def weight(self) -> Float[np.ndarray, " m"]:
         """Agreement of every pair with the plane."""
 
 
@@ -95,5 +95,5 @@ class Drawable(Protocol):
     def notes(self) -> Sequence[str]:
         """What was done to the points, or found in them, as sentences."""
 
-    def on_surface(self) -> Bool[np.ndarray, "n"]:
+    def on_surface(self) -> Bool[np.ndarray, " n"]:
         """Which points belong to the object."""

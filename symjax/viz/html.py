@@ -61,7 +61,7 @@ def write_html(
     *,
     title: str = "symjax",
     max_points: int = MAX_POINTS,
-    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> None:
     """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
 
@@ -89,7 +89,7 @@ def write_html(
 
 
 def figure(
-    detection: Drawable, *, max_points: int = MAX_POINTS, up: Sequence[float] | Float[np.ndarray, "3"] | None = None
+    detection: Drawable, *, max_points: int = MAX_POINTS, up: Sequence[float] | Float[np.ndarray, " 3"] | None = None
 ) -> "Figure":
     """A plotly figure of two views: cloud, plane and pairs; and the cloud with its mirror image.
 
@@ -138,7 +138,7 @@ def figure(
     return Figure(data=traces, layout=_layout(detection, scene, shift))
 
 
-def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, "3"]) -> dict[str, Any]:
+def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     """Headline, legend, and two views of the same box from the same side, without grids."""
     equation, verdict = (escape(line) for line in scenes.headline(detection))
     low, high = scenes.box(scene, np.eye(3))

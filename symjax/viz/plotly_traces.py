@@ -17,7 +17,7 @@ DARKEST = 0.45
 """Brightness of a point whose surface is seen edge on."""
 
 
-def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n"]:
+def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " n"]:
     """Light on every point from a lamp beside the viewer, 0 to 1: shows shape, and needs no normal orientation."""
     if len(points) < LAMP_NEIGHBOURS:
         return np.ones(len(points))
@@ -27,7 +27,7 @@ def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, "3"]) 
 
 def points_trace(
     points: Float[np.ndarray, "n 3"],
-    light: Float[np.ndarray, "n"],
+    light: Float[np.ndarray, " n"],
     name: str,
     colour: Rgb,
     *,
@@ -81,8 +81,8 @@ def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: Rgb, **optio
 
 def pairs_trace(
     scene: Scene,
-    shift: Float[np.ndarray, "3"],
-    chosen: Bool[np.ndarray, "m"],
+    shift: Float[np.ndarray, " 3"],
+    chosen: Bool[np.ndarray, " m"],
     total: int,
     name: str,
     colour: Rgb,
@@ -126,10 +126,10 @@ def pairs_trace(
     }
 
 
-def _columns(points: Float[np.ndarray, "n 3"]) -> dict[str, Float[np.ndarray, "n"]]:
+def _columns(points: Float[np.ndarray, "n 3"]) -> dict[str, Float[np.ndarray, " n"]]:
     return dict(zip("xyz", points.T, strict=True))
 
 
-def coordinates(vector: Float[np.ndarray, "3"]) -> dict[str, float]:
+def coordinates(vector: Float[np.ndarray, " 3"]) -> dict[str, float]:
     """The vector as plotly writes one."""
     return dict(zip("xyz", vector.tolist(), strict=True))

@@ -35,7 +35,7 @@ class Panel(NamedTuple):
     """A view fitted into a rectangle of supersampled pixels."""
 
     view: scenes.View
-    centre: Float[np.ndarray, "2"]
+    centre: Float[np.ndarray, " 2"]
     scale: float
     width: int
     height: int
@@ -62,7 +62,7 @@ def write_png(
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] = (1500, 750),
-    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> None:
     """Write the picture of a detection: cloud, plane and pairs on the left, the completed cloud on the right.
 
@@ -89,7 +89,7 @@ def draw(
     detection: Drawable,
     *,
     size: tuple[int, int] = (1500, 750),
-    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> Image.Image:
     """The picture as a Pillow image; arguments and errors as for `write_png`."""
     if size[0] < SMALLEST_SIZE[0] or size[1] < SMALLEST_SIZE[1]:
@@ -122,7 +122,7 @@ def _draw_panel(
     panel: Panel,
     scene: scenes.Scene,
     points: Float[np.ndarray, "n 3"],
-    is_mirrored: Bool[np.ndarray, "n"],
+    is_mirrored: Bool[np.ndarray, " n"],
     *,
     pairs: bool,
 ) -> Image.Image:

@@ -87,7 +87,7 @@ def _disc(radius: int) -> list[tuple[int, int]]:
 
 def _eye_dome_lighting(
     near: Float[np.ndarray, "height width"], covered: Bool[np.ndarray, "height width"], step: int, half: float
-) -> Float[np.ndarray, "p"]:
+) -> Float[np.ndarray, " p"]:
     """Light in (0, 1] of the covered pixels: less where pixels `step` or 3 `step` away are nearer.
 
     `near` is −inf where nothing is drawn; a difference of `half` in depth gives half of the full shadow.

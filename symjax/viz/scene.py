@@ -32,9 +32,9 @@ SLIMMEST = 0.15
 class View(NamedTuple):
     """An orthonormal frame of the picture: `right`, `up`, and `toward` the viewer."""
 
-    right: Float[np.ndarray, "3"]
-    up: Float[np.ndarray, "3"]
-    toward: Float[np.ndarray, "3"]
+    right: Float[np.ndarray, " 3"]
+    up: Float[np.ndarray, " 3"]
+    toward: Float[np.ndarray, " 3"]
 
 
 class Scene(NamedTuple):
@@ -58,7 +58,7 @@ class Scene(NamedTuple):
         view: from where it is seen.
     """
 
-    origin: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, " 3"]
     size: float
     cloud: Float[np.ndarray, "n 3"]
     mirrored: Float[np.ndarray, "n 3"]
@@ -68,8 +68,8 @@ class Scene(NamedTuple):
     others: tuple[Float[np.ndarray, "4 3"], ...]
     x: Float[np.ndarray, "m 3"]
     y: Float[np.ndarray, "m 3"]
-    weight: Float[np.ndarray, "m"]
-    is_inlier: Bool[np.ndarray, "m"]
+    weight: Float[np.ndarray, " m"]
+    is_inlier: Bool[np.ndarray, " m"]
     num_inliers: int
     num_pairs: int
     view: View
@@ -80,7 +80,7 @@ def build(
     *,
     max_points: int,
     max_pairs: int,
-    up: Sequence[float] | Float[np.ndarray, "3"] | None = None,
+    up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> Scene:
     """Thin, centre and frame a detection.
 
@@ -159,7 +159,7 @@ def thin(rows: np.ndarray, most: int) -> np.ndarray:
     return rows[np.sort(np.random.default_rng(0).choice(len(rows), most, replace=False))]
 
 
-def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "d"], Float[np.ndarray, "d"]]:
+def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
     """Lower and upper corner of the box worth showing: a few points far away do not shrink the rest."""
     low, high = np.quantile(coordinates, (0.005, 0.995), axis=0)
     slack = 0.5 * (high - low)
@@ -169,19 +169,19 @@ def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "d"]
     )
 
 
-def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray, "d"], Float[np.ndarray, "d"]]:
+def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
     """Lower and upper corner, along the axes in the columns, of all that is shown."""
     corners = [scene.quad @ axes, *reach(scene.cloud @ axes), *reach(scene.mirrored @ axes)]
     return np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
 
 
-def _moved(plane: Plane, origin: Float[np.ndarray, "3"]) -> Plane:
+def _moved(plane: Plane, origin: Float[np.ndarray, " 3"]) -> Plane:
     """The same plane in coordinates taken from `origin`."""
     return Similarity(1.0, None, -origin).plane(Plane(*(np.asarray(part, dtype=np.float64) for part in plane)))
 
 
 def _axes_within(
-    plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Sequence[float] | Float[np.ndarray, "3"] | None
+    plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Sequence[float] | Float[np.ndarray, " 3"] | None
 ) -> Float[np.ndarray, "2 3"]:
     """Axes of the plane along the cloud's shortest and longest spread in it, or across and along `up`."""
     if up is not None:
@@ -198,7 +198,7 @@ def _axes_within(
     return np.stack([_pointing_forward(shortest), _pointing_forward(longest)])
 
 
-def _pointing_forward(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def _pointing_forward(axis: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     """The axis with its largest component positive."""
     return axis * np.sign(axis[np.abs(axis).argmax()])
 

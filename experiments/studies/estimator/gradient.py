@@ -62,7 +62,7 @@ def run(config: Config) -> list[Row]:
         return list(_rows(config))
 
 
-def _fits(config: Config, normal: Float[np.ndarray, "3"]) -> dict[str, Callable[[Given], Fit]]:
+def _fits(config: Config, normal: Float[np.ndarray, " 3"]) -> dict[str, Callable[[Given], Fit]]:
     def fit(function: Callable[..., Fit], given: Given, *start: Any, sigma: Any = None, **options: Any) -> Fit:
         scale = given["sigma"] if sigma is None else sigma
         return function(given["x"], given["y"], scale, *start, weights=given["weights"], **options)

@@ -142,7 +142,7 @@ def _starts(config: Config) -> Iterator[Row]:
                 yield _row(f"80 %, {kind}, sigma {sigma:g}", f"{start}, {solver}", *rates, "")
 
 
-def _near(v: Float[Array, "3"], directions: Float[Array, "r 3"], key: PRNGKeyArray) -> Float[Array, "r 3"]:
+def _near(v: Float[Array, " 3"], directions: Float[Array, "r 3"], key: PRNGKeyArray) -> Float[Array, "r 3"]:
     """Normals turned from v towards the directions, by up to `LOCAL_ANGLE`."""
     away = directions - jnp.sum(directions * v[None, :], axis=1, keepdims=True) * v[None, :]
     away = away / jnp.linalg.norm(away, axis=1, keepdims=True)

@@ -84,10 +84,10 @@ def summary(rows: list[Row]) -> list[Row]:
 @jax.jit
 def _costs(
     normals: Float[Array, "p 3"], sigma: float, x: Float[Array, "n 3"], y: Float[Array, "n 3"]
-) -> tuple[Float[Array, "p"], Float[Array, "p"]]:
+) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
     """Mean squared residual, and −f of Eq. 5, at every normal and its best offset."""
 
-    def cost(v: Float[Array, "3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    def cost(v: Float[Array, " 3"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         mean = jnp.mean(0.5 * (x + y), axis=0)
         squares = jnp.mean(squared_residuals(v, jnp.sum(v * mean), x, y))
         shares = jnp.asarray((np.arange(NUM_OFFSETS) + 0.5) / NUM_OFFSETS, x.dtype)
@@ -103,7 +103,7 @@ def _from_disc(disc: Float[np.ndarray, "p 2"], frame: Float[np.ndarray, "3 3"]) 
     return np.concatenate([disc * np.sqrt(2 - square), 1 - square], axis=1) @ frame.T
 
 
-def _onto_disc(normal: Float[np.ndarray, "3"], frame: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "2"]:
+def _onto_disc(normal: Float[np.ndarray, " 3"], frame: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, " 2"]:
     own = normal @ frame
     own = own if own[2] >= 0 else -own
     return own[:2] / np.sqrt(1 + own[2])

@@ -73,7 +73,7 @@ class Config:
 SIZES = {"full": Config(), "small": Config(angles="0,20,30,60,90", num_points=1500, seeds=1, kinds=3)}
 
 
-def turned(right: Plane, middle: Float[np.ndarray, "3"], degrees: float, rng: np.random.Generator) -> Plane:
+def turned(right: Plane, middle: Float[np.ndarray, " 3"], degrees: float, rng: np.random.Generator) -> Plane:
     """A plane turned by an angle about a random line in it through the foot of a point."""
     foot = middle - (middle @ right.normal - right.offset) * right.normal
     aside = np.cross(right.normal, rng.normal(size=3))

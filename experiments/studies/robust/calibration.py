@@ -181,7 +181,7 @@ def _line(what: str, rows: list[Row]) -> Row:
     return line | {"axis, median deg": float(np.median(angles)) if angles else "-"}
 
 
-def would_be_found(rows: list[Row], thresholds: FoundThresholds) -> Bool[np.ndarray, "r"]:
+def would_be_found(rows: list[Row], thresholds: FoundThresholds) -> Bool[np.ndarray, " r"]:
     """In which clouds these thresholds find a plane, from the numbers in the rows."""
     names = ("score", "exactness", "background", "noise")
     score, exactness, others, noise = (np.array([row[name] for row in rows], float) for name in names)

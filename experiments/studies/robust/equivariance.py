@@ -60,7 +60,7 @@ def run(config: Config) -> list[Row]:
     return rows
 
 
-def _change(name: str, num_points: int, rng: np.random.Generator) -> tuple[Similarity, Int[np.ndarray, "n"]]:
+def _change(name: str, num_points: int, rng: np.random.Generator) -> tuple[Similarity, Int[np.ndarray, " n"]]:
     """What is done to a cloud, and the new order of its points."""
     every = name == "all at once"
     turn, shift, scale, order = np.eye(3), np.zeros(3), 1.0, np.arange(num_points)

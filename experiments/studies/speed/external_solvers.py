@@ -34,11 +34,11 @@ class Task(NamedTuple):
     max_steps: int
     tol: float
 
-    def psi(self, z: Float[Array, "4"]) -> Float[Array, ""]:
+    def psi(self, z: Float[Array, " 4"]) -> Float[Array, ""]:
         """The objective by the residuals as they are written."""
         return scaled_log_loss(z[:3], z[3], self.sigma, self.pairs.x, self.pairs.y)
 
-    def free(self, z: Float[Array, "4"]) -> Float[Array, ""]:
+    def free(self, z: Float[Array, " 4"]) -> Float[Array, ""]:
         """The same of a vector that is no unit normal yet, for solvers that know no sphere."""
         return self.psi(z.at[:3].divide(jnp.sqrt(jnp.sum(z[:3] ** 2))))
 
@@ -53,7 +53,7 @@ Lowest = Callable[[], Any]
 def naive(task: Task) -> Lowest:
     """Our Riemannian BFGS on the residuals as written, all starts under one vmap: what `sweep` was at first."""
 
-    def one(start: Float[Array, "4"]) -> Float[Array, ""]:
+    def one(start: Float[Array, " 4"]) -> Float[Array, ""]:
         solved = minimize(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol)
         return solved.value
 
@@ -66,7 +66,7 @@ def naive_from_normals(task: Task) -> Lowest:
     x, y = task.pairs.x, task.pairs.y
     shares = (jnp.arange(OFFSETS) + 0.5) / OFFSETS
 
-    def one(v: Float[Array, "3"]) -> Float[Array, ""]:
+    def one(v: Float[Array, " 3"]) -> Float[Array, ""]:
         offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
         values = jax.vmap(lambda omega: task.psi(jnp.append(v, omega)))(offsets)
         start = jnp.append(v, offsets[jnp.argmin(values)])
@@ -82,7 +82,7 @@ def with_optimistix(task: Task) -> Lowest:
 
     solver: Any = optx.BFGS(rtol=task.tol, atol=task.tol)
 
-    def one(start: Float[Array, "4"]) -> Float[Array, ""]:
+    def one(start: Float[Array, " 4"]) -> Float[Array, ""]:
         solved: Any = optx.minimise(lambda z, _: task.free(z), solver, start, max_steps=task.max_steps, throw=False)
         return task.free(solved.value)
 
@@ -108,7 +108,7 @@ def with_scipy(task: Task) -> Lowest:
     """SciPy's BFGS, start by start, on a compiled value and gradient."""
     compiled = jax.jit(jax.value_and_grad(task.free))
 
-    def fun(z: Float[np.ndarray, "4"]) -> tuple[float, Float[np.ndarray, "4"]]:
+    def fun(z: Float[np.ndarray, " 4"]) -> tuple[float, Float[np.ndarray, " 4"]]:
         value, gradient = compiled(z)
         return float(value), np.asarray(gradient, float)
 
@@ -132,16 +132,16 @@ def with_pymanopt(task: Task, optimizer: str) -> Lowest:
     bent = jax.jit(lambda z, step: jax.jvp(jax.grad(task.psi), (z,), (step,))[1])
 
     @pymanopt.function.numpy(manifold)
-    def cost(v: Float[np.ndarray, "3"], omega: Float[np.ndarray, "1"]) -> float:
+    def cost(v: Float[np.ndarray, " 3"], omega: Float[np.ndarray, " 1"]) -> float:
         return float(compiled(np.append(v, omega))[0])
 
     @pymanopt.function.numpy(manifold)
-    def gradient(v: Float[np.ndarray, "3"], omega: Float[np.ndarray, "1"]) -> list[Float[np.ndarray, "k"]]:
+    def gradient(v: Float[np.ndarray, " 3"], omega: Float[np.ndarray, " 1"]) -> list[Float[np.ndarray, " k"]]:
         slope = np.asarray(compiled(np.append(v, omega))[1], float)
         return [slope[:3], slope[3:]]
 
     @pymanopt.function.numpy(manifold)
-    def hessian(*both: Float[np.ndarray, "k"]) -> list[Float[np.ndarray, "k"]]:
+    def hessian(*both: Float[np.ndarray, " k"]) -> list[Float[np.ndarray, " k"]]:
         turned = np.asarray(bent(np.concatenate(both[:2]), np.concatenate(both[2:])), float)
         return [turned[:3], turned[3:]]
 

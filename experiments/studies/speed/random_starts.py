@@ -32,7 +32,7 @@ def planted(num_pairs: int, seed: int) -> PlantedPairs:
 
 
 def random_starts(
-    num_pairs: int, sigmas: Float[np.ndarray, "S"], restarts: int, seed: int, **options: Any
+    num_pairs: int, sigmas: Float[np.ndarray, " S"], restarts: int, seed: int, **options: Any
 ) -> Callable[[], Fit]:
     """A sweep of random starts, ready to run."""
     pairs = planted(num_pairs, seed)

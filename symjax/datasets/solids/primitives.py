@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float
 
-Field = Callable[[Float[np.ndarray, "3 n"]], Float[np.ndarray, "n"]]
-Vector = Sequence[float] | Float[np.ndarray, "3"]
+Field = Callable[[Float[np.ndarray, "3 n"]], Float[np.ndarray, " n"]]
+Vector = Sequence[float] | Float[np.ndarray, " 3"]
 
 
 def _column(vector: Vector) -> Float[np.ndarray, "3 1"]:
@@ -128,7 +128,7 @@ def torus(centre: Vector, axis: Vector, major: float, minor: float) -> Field:
     return field
 
 
-def tube(knots: Float[np.ndarray, "k 3"], radii: Float[np.ndarray, "k"] | float) -> Field:
+def tube(knots: Float[np.ndarray, "k 3"], radii: Float[np.ndarray, " k"] | float) -> Field:
     """Chain of capsules through the knots."""
     knots = np.asarray(knots, dtype=float)
     r = np.broadcast_to(np.asarray(radii, dtype=float), len(knots))
@@ -168,8 +168,8 @@ def halfspace(normal: Vector, offset: float) -> Field:
 
 
 def polygon_distance(
-    x: Float[np.ndarray, "n"], y: Float[np.ndarray, "n"], corners: Float[np.ndarray, "k 2"]
-) -> Float[np.ndarray, "n"]:
+    x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], corners: Float[np.ndarray, "k 2"]
+) -> Float[np.ndarray, " n"]:
     """Signed distance in the plane to a simple polygon, by its nearest edge and the parity of crossings."""
     squared = np.full(np.shape(x), np.inf)
     inside = np.zeros(np.shape(x), dtype=bool)

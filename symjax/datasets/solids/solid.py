@@ -9,7 +9,7 @@ from jaxtyping import Float
 from symjax.datasets.solids.csg import fold, union
 from symjax.datasets.solids.primitives import Field
 
-Axis = tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]
+Axis = tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]
 
 
 class Solid(NamedTuple):
@@ -20,7 +20,7 @@ class Solid(NamedTuple):
 
     field: Field
     normals: Float[np.ndarray, "p 3"]
-    offsets: Float[np.ndarray, "p"]
+    offsets: Float[np.ndarray, " p"]
     axis: Axis | None = None
 
 

@@ -25,7 +25,7 @@ AnyPairs = Float[AnyArray, "n 3"]
 Points = Real[AnyArray, "n 3"] | Sequence[Sequence[float]]
 """One end of the pairs, as given."""
 
-Weights = Shaped[AnyArray, "n"] | Sequence[float]
+Weights = Shaped[AnyArray, " n"] | Sequence[float]
 """A weight of every pair, or whether it is used."""
 
 Sigma = Real[ArrayLike, ""] | str
@@ -54,30 +54,30 @@ def _as_array(value: Any, name: str, error: type[ValueError], *, mask: bool = Fa
     return value
 
 
-IsBad = Callable[[AnyArray], Bool[AnyArray, "n"]]
+IsBad = Callable[[AnyArray], Bool[AnyArray, " n"]]
 
 
-def _nonfinite_rows(points: Float[AnyArray, "n 3"]) -> Bool[AnyArray, "n"]:
+def _nonfinite_rows(points: Float[AnyArray, "n 3"]) -> Bool[AnyArray, " n"]:
     xp: Any = points.__array_namespace__()
     return ~xp.all(xp.isfinite(points), axis=1)
 
 
-def _not_a_weight(weights: Float[AnyArray, "n"]) -> Bool[AnyArray, "n"]:
+def _not_a_weight(weights: Float[AnyArray, " n"]) -> Bool[AnyArray, " n"]:
     xp: Any = weights.__array_namespace__()
     return ~(xp.isfinite(weights) & (weights >= 0))
 
 
-def _is_zero(weights: Float[AnyArray, "n"]) -> Bool[AnyArray, "n"]:
+def _is_zero(weights: Float[AnyArray, " n"]) -> Bool[AnyArray, " n"]:
     return weights == 0
 
 
-def _not_of_unit_length(normals: Float[AnyArray, "n 3"]) -> Bool[AnyArray, "n"]:
+def _not_of_unit_length(normals: Float[AnyArray, "n 3"]) -> Bool[AnyArray, " n"]:
     xp: Any = normals.__array_namespace__()
     return ~(xp.abs(xp.sqrt(xp.sum(normals**2, axis=1)) - 1) <= UNIT_TOLERANCE)
 
 
 @partial(jax.jit, static_argnames="is_bad")
-def _count_and_first(is_bad: IsBad, rows: AnyArray) -> Int[Array, "2"]:
+def _count_and_first(is_bad: IsBad, rows: AnyArray) -> Int[Array, " 2"]:
     bad = is_bad(rows)
     return jnp.stack([jnp.sum(bad, dtype=jnp.int32), jnp.argmax(bad).astype(jnp.int32)])
 
@@ -134,7 +134,7 @@ def _floating(*dtypes: Any) -> Any:
     return jax.dtypes.canonicalize_dtype(np.float64 if wide else np.float32)
 
 
-def checked_weights(weights: Weights | None, num: int, dtype: Any) -> Float[AnyArray, "n"]:
+def checked_weights(weights: Weights | None, num: int, dtype: Any) -> Float[AnyArray, " n"]:
     """The pairs' weights; ones for None.
 
     Raises:

@@ -22,7 +22,7 @@ class NormalizedPairs(NamedTuple):
 
     x: Float[Array, "n 3"]
     y: Float[Array, "n 3"]
-    weights: Float[Array, "n"]
+    weights: Float[Array, " n"]
     to_given: Similarity
 
 
@@ -31,7 +31,7 @@ NUM_SAMPLED = 128  # pairs that the centre and the radius are taken from
 _FRACTION = 0.6180339887498949  # of the golden ratio
 
 
-def systematic_sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]:
+def systematic_sample(weights: Float[Array, " n"], num: int) -> Int[Array, " num"]:
     """Rows of `num` pairs, each drawn with its weight as probability: one from every num-th of the total weight.
 
     Nothing is random: the place within each share follows the golden ratio, which no order of the pairs has as its
@@ -45,7 +45,7 @@ def systematic_sample(weights: Float[Array, "n"], num: int) -> Int[Array, "num"]
     return jnp.minimum(row, len(weights) - 1)
 
 
-def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"]) -> NormalizedPairs:
+def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, " n"]) -> NormalizedPairs:
     """Centres and scales pairs, so that any unit and any origin will do.
 
     The centre is the median and the radius the median distance from it, of some of the pairs, so that outliers move

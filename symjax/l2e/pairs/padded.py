@@ -25,7 +25,7 @@ class PaddedPairs(NamedTuple):
 
     x: Float[Array, "b 3"]
     y: Float[Array, "b 3"]
-    weights: Float[Array, "b"]
+    weights: Float[Array, " b"]
     used: Int[Array, ""]
 
 

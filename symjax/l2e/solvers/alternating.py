@@ -15,7 +15,7 @@ INNER_STEPS = 64  # limit on the steps of one inner solve
 
 
 def alternation(
-    fun: Callable[[Float[Array, "4"]], Float[Array, ""]],
+    fun: Callable[[Float[Array, " 4"]], Float[Array, ""]],
     *,
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
@@ -39,7 +39,7 @@ def alternation(
     # annotated loosely: optimistix types atol as a float, and takes a traced one
     omega_solver: Any = optx.BFGS(rtol=0.0, atol=cast(float, 0.5 * tol))
 
-    def joint(z: Float[Array, "4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    def joint(z: Float[Array, " 4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         value, grad = value_and_grad(z)
         return value, norm(SPHERE_LINE.project(z, grad))
 
@@ -67,13 +67,13 @@ def alternation(
         new_value, grad_norm = joint(new)
         return Progress(new, new_value, grad_norm, last.num_steps + 1, jnp.all(new == z))
 
-    def init(z0: Float[Array, "4"]) -> Progress:
+    def init(z0: Float[Array, " 4"]) -> Progress:
         return Progress(z0, *joint(z0), jnp.asarray(0), jnp.asarray(False))
 
     return solver_of(init, round_, lambda last: last, max_steps=max_steps, tol=tol)
 
 
 @jax.default_matmul_precision("highest")
-def alternate(fun: Callable[[Float[Array, "4"]], Float[Array, ""]], z0: Float[Array, "4"], **options: Any) -> Minimum:
+def alternate(fun: Callable[[Float[Array, " 4"]], Float[Array, ""]], z0: Float[Array, " 4"], **options: Any) -> Minimum:
     """Minimises from one start by the `alternation`, which documents the options; `num_steps` counts rounds."""
     return solve(alternation(fun, **options), z0)

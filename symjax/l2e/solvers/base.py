@@ -26,7 +26,7 @@ class Minimum(NamedTuple):
         status: how the solve ended, the number of a `Status`.
     """
 
-    point: Float[Array, "d"]
+    point: Float[Array, " d"]
     value: Float[Array, ""]
     grad_norm: Float[Array, ""]
     num_steps: Int[Array, ""]
@@ -44,7 +44,7 @@ class Progress(NamedTuple):
         stalled: whether the last step found nothing lower.
     """
 
-    point: Float[Array, "d"]
+    point: Float[Array, " d"]
     value: Float[Array, ""]
     grad_norm: Float[Array, ""]
     num_steps: Int[Array, ""]
@@ -73,14 +73,14 @@ class Solver(NamedTuple):
         finish: state -> the minimum (and what else is to be kept).
     """
 
-    init: Callable[[Float[Array, "d"]], State]
+    init: Callable[[Float[Array, " d"]], State]
     going: Callable[[State], Bool[Array, ""]]
     step: Callable[[State], State]
     finish: Callable[[State], Any]
 
 
 def solver_of(
-    init: Callable[[Float[Array, "d"]], State],
+    init: Callable[[Float[Array, " d"]], State],
     step: Callable[[State], State],
     progress: Callable[[State], Progress],
     *,
@@ -101,15 +101,15 @@ def solver_of(
     return Solver(init, going, step, finish)
 
 
-def solve(solver: Solver, start: Float[Array, "d"]) -> Any:
+def solve(solver: Solver, start: Float[Array, " d"]) -> Any:
     """Runs a solver from one start; gives what its `finish` gives."""
     return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
 
 
-def with_start(solver: Solver, point_of: Callable[[Float[Array, "s"]], Float[Array, "d"]]) -> Solver:
+def with_start(solver: Solver, point_of: Callable[[Float[Array, " s"]], Float[Array, " d"]]) -> Solver:
     """A solver that begins at `point_of(start)`, and that finishes with the minimum and this point."""
 
-    def init(start: Float[Array, "s"]) -> State:
+    def init(start: Float[Array, " s"]) -> State:
         point = point_of(start)
         return solver.init(point), point
 
@@ -121,7 +121,7 @@ def with_start(solver: Solver, point_of: Callable[[Float[Array, "s"]], Float[Arr
     )
 
 
-def norm(u: Float[Array, "d"]) -> Float[Array, ""]:
+def norm(u: Float[Array, " d"]) -> Float[Array, ""]:
     """Euclidean length, summed elementwise: `jnp.linalg.norm` of float32 runs in TF32 on some devices."""
     return jnp.sqrt(jnp.sum(u * u))
 

@@ -28,7 +28,7 @@ class _Slots(NamedTuple):
         found: what every solve has found so far.
     """
 
-    row: Int[Array, "w"]
+    row: Int[Array, " w"]
     state: State
     next: Int[Array, ""]
     found: Any
@@ -47,7 +47,7 @@ def solve_batch(make: Make, parameters: Parameters, starts: Float[Array, "n d"])
     """
     num = len(starts)
 
-    def alone(parameters: Parameters, start: Float[Array, "d"]) -> Any:
+    def alone(parameters: Parameters, start: Float[Array, " d"]) -> Any:
         return solve(make(parameters), start)
 
     if num <= NUM_REFILLED:
@@ -56,14 +56,14 @@ def solve_batch(make: Make, parameters: Parameters, starts: Float[Array, "n d"])
 
     finish = jax.vmap(lambda parameters, state: make(parameters).finish(state))
 
-    def parameters_of(row: Int[Array, "k"]) -> Parameters:
+    def parameters_of(row: Int[Array, " k"]) -> Parameters:
         return jax.tree.map(lambda leaf: leaf[jnp.minimum(row, num - 1)], parameters)
 
-    def init(row: Int[Array, "k"]) -> State:
+    def init(row: Int[Array, " k"]) -> State:
         begin = jax.vmap(lambda parameters, start: make(parameters).init(start))
         return begin(parameters_of(row), starts[jnp.minimum(row, num - 1)])
 
-    def going(row: Int[Array, "k"], state: State) -> Bool[Array, "k"]:
+    def going(row: Int[Array, " k"], state: State) -> Bool[Array, " k"]:
         return (row < num) & jax.vmap(lambda parameters, state: make(parameters).going(state))(
             parameters_of(row), state
         )

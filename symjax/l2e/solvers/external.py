@@ -18,7 +18,7 @@ rim: far from the centre the next one is better."""
 
 def external(
     minimiser: optx.AbstractMinimiser,
-    fun: Callable[[Float[Array, "4"]], Float[Array, ""]],
+    fun: Callable[[Float[Array, " 4"]], Float[Array, ""]],
     *,
     max_steps: int | Int[Array, ""],
     tol: float | Float[Array, ""],
@@ -39,11 +39,11 @@ def external(
     """
     value_and_grad = jax.value_and_grad(fun)
 
-    def at(z: Float[Array, "4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    def at(z: Float[Array, " 4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         value, grad = value_and_grad(z)
         return value, norm(SPHERE_LINE.project(z, grad))
 
-    def init(z0: Float[Array, "4"]) -> Progress:
+    def init(z0: Float[Array, " 4"]) -> Progress:
         return Progress(z0, *at(z0), jnp.asarray(0), jnp.asarray(False))
 
     @jax.default_matmul_precision("highest")
@@ -51,7 +51,7 @@ def external(
         z = last.point
         basis = SPHERE_LINE.basis(z)
 
-        def from_chart(t: Float[Array, "3"]) -> Float[Array, "4"]:
+        def from_chart(t: Float[Array, " 3"]) -> Float[Array, " 4"]:
             return SPHERE_LINE.retract(z, basis @ t)
 
         # throw=False: a round may end before the minimiser has converged

@@ -21,7 +21,7 @@ class State(NamedTuple):
 
 
 def reweighting(
-    expand: Callable[[Float[Array, "d"]], Expansion], *, max_steps: int | Int[Array, ""], tol: float | Float[Array, ""]
+    expand: Callable[[Float[Array, " d"]], Expansion], *, max_steps: int | Int[Array, ""], tol: float | Float[Array, ""]
 ) -> Solver:
     """Minorise-maximise: the least eigenvector of the reweighted scatter, again and again.
 
@@ -33,7 +33,7 @@ def reweighting(
         tol: bound on the norm of the Riemannian gradient.
     """
 
-    def init(start: Float[Array, "d"]) -> State:
+    def init(start: Float[Array, " d"]) -> State:
         return State(expand(start), jnp.asarray(0), jnp.asarray(False))
 
     def step(state: State) -> State:

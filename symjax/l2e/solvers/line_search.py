@@ -30,9 +30,9 @@ class Trial(NamedTuple):
     """
 
     step: Float[Array, ""]
-    point: Float[Array, "d"]
+    point: Float[Array, " d"]
     value: Float[Array, ""]
-    grad: Float[Array, "d"]
+    grad: Float[Array, " d"]
     slope: Float[Array, ""]
 
 

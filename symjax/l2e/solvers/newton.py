@@ -39,7 +39,7 @@ class State(NamedTuple):
 
 
 def newton(
-    expand: Callable[[Float[Array, "d"]], Expansion], *, max_steps: int | Int[Array, ""], tol: float | Float[Array, ""]
+    expand: Callable[[Float[Array, " d"]], Expansion], *, max_steps: int | Int[Array, ""], tol: float | Float[Array, ""]
 ) -> Solver:
     """Newton's method on S² × R with the exact Hessian, safeguarded.
 
@@ -53,7 +53,7 @@ def newton(
         tol: bound on the norm of the Riemannian gradient.
     """
 
-    def init(start: Float[Array, "d"]) -> State:
+    def init(start: Float[Array, " d"]) -> State:
         at = expand(start)
         return State(at, jnp.full_like(at.value, FIRST_RADIUS), jnp.asarray(False), jnp.asarray(0), jnp.asarray(False))
 
@@ -99,6 +99,6 @@ def _eigen(at: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     return (values[0], vectors[0]), (values[1], vectors[1])
 
 
-def _tangent(point: Float[Array, "d"], t: Float[Array, "k"]) -> Float[Array, "d"]:
+def _tangent(point: Float[Array, " d"], t: Float[Array, " k"]) -> Float[Array, " d"]:
     basis = tangent_basis(point[:3])
     return jnp.concatenate([basis[:, 0] * t[0] + basis[:, 1] * t[1], t[2:]])

@@ -30,16 +30,16 @@ class State(NamedTuple):
         stalled: the last line search failed.
     """
 
-    z_k: Float[Array, "d"]
+    z_k: Float[Array, " d"]
     f_k: Float[Array, ""]
-    g_k: Float[Array, "d"]
+    g_k: Float[Array, " d"]
     H_k: Float[Array, "d d"]
     k: Int[Array, ""]
     stalled: Bool[Array, ""]
 
 
 def riemannian_bfgs(
-    fun: Callable[[Float[Array, "d"]], Float[Array, ""]],
+    fun: Callable[[Float[Array, " d"]], Float[Array, ""]],
     *,
     manifold: Manifold,
     max_steps: int | Int[Array, ""] = 200,
@@ -98,7 +98,7 @@ def riemannian_bfgs(
         stayed = state._replace(k=k + 1, stalled=~found)
         return jax.tree.map(lambda a, b: jnp.where(found, a, b), moved, stayed)
 
-    def init(z0: Float[Array, "d"]) -> State:
+    def init(z0: Float[Array, " d"]) -> State:
         f_0, g_0 = value_and_grad(z0)
         eye = jnp.eye(len(z0), dtype=z0.dtype)
         return State(z0, f_0, manifold.project(z0, g_0), eye, jnp.asarray(0), jnp.asarray(False))
@@ -110,7 +110,7 @@ def riemannian_bfgs(
 
 
 @jax.default_matmul_precision("highest")
-def minimize(fun: Callable[[Float[Array, "d"]], Float[Array, ""]], z0: Float[Array, "d"], **options: Any) -> Minimum:
+def minimize(fun: Callable[[Float[Array, " d"]], Float[Array, ""]], z0: Float[Array, " d"], **options: Any) -> Minimum:
     """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
 
     Never raises under a trace: read `status`.

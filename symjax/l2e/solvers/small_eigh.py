@@ -34,7 +34,7 @@ def _rotate(a: Entries, u: Entries, p: int, q: int) -> None:
         u[r][p], u[r][q] = c * up - s * uq, s * up + c * uq
 
 
-def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, "k"], Float[Array, "k k"]]:
+def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, " k"], Float[Array, "k k"]]:
     """Eigenvalues, in no order, and the eigenvectors in columns, of a small symmetric matrix."""
     size = len(matrix)
 

@@ -53,7 +53,7 @@ class OffsetSearch(NamedTuple):
     midpoints: Float[Array, "3 k"]
     halves: Float[Array, "3 k"]
 
-    def __call__(self, v: Float[Array, "3"], sigma: Float[Array, ""]) -> Point:
+    def __call__(self, v: Float[Array, " 3"], sigma: Float[Array, ""]) -> Point:
         """The plane of this normal through one of the mid-points that is best at a scale σ."""
         offsets, heights, steps = (_along(rows, v) for rows in self)
         # f/4 = (m·v − ω)² + ‖h‖² − (h·v)², where only the first term is the offset's
@@ -64,7 +64,7 @@ class OffsetSearch(NamedTuple):
         return jnp.append(v, offsets[jnp.argmax(kernels)])
 
 
-def _along(rows: Float[Array, "3 k"], v: Float[Array, "3"]) -> Float[Array, "k"]:
+def _along(rows: Float[Array, "3 k"], v: Float[Array, " 3"]) -> Float[Array, " k"]:
     return rows[0] * v[0] + rows[1] * v[1] + rows[2] * v[2]
 
 
@@ -83,7 +83,7 @@ class Hypotheses(NamedTuple):
     """
 
     points: Float[Array, "k 4"]
-    usable: Bool[Array, "k"]
+    usable: Bool[Array, " k"]
 
 
 def pair_hypotheses(pairs: NormalizedPairs, num: int = NUM_HYPOTHESES) -> Hypotheses:
@@ -122,12 +122,12 @@ def _single(array: Float[Array, "*s"]) -> Float[Array, "*s"]:
     return array.astype(jnp.float32)
 
 
-def plane_nms(points: Float[Array, "k 4"], values: Float[Array, "k"], num: int) -> Int[Array, "num"]:
+def plane_nms(points: Float[Array, "k 4"], values: Float[Array, " k"], num: int) -> Int[Array, " num"]:
     """Rows of the lowest values, no two planes alike (non-maximum suppression); of too few, the lowest again."""
     best = jnp.argmin(values)
     planes = Plane(points[:, :3], points[:, 3])
 
-    def take(left: Float[Array, "k"], _: None) -> tuple[Float[Array, "k"], Int[Array, ""]]:
+    def take(left: Float[Array, " k"], _: None) -> tuple[Float[Array, " k"], Int[Array, ""]]:
         row = jnp.argmin(left)
         same = near(planes, Plane(points[row, :3], points[row, 3]), angle=SAME_ANGLE, offset=SAME_OFFSET)
         return jnp.where(same, jnp.inf, left), jnp.where(jnp.isfinite(left[row]), row, best)

@@ -11,8 +11,8 @@ TRIM = 0.25  # share cut from each end of every coordinate in the trimmed Grassm
 
 
 def weighted_quantile(
-    values: Float[Array, "n"], shares: Float[Array, "k"], weights: Float[Array, "n"]
-) -> Float[Array, "k"]:
+    values: Float[Array, " n"], shares: Float[Array, " k"], weights: Float[Array, " n"]
+) -> Float[Array, " k"]:
     """Quantiles of weighted values: the values at which the cumulative weight passes each share."""
     order = jnp.argsort(values)
     mass = jnp.cumsum(weights[order])
@@ -20,13 +20,13 @@ def weighted_quantile(
     return values[order][jnp.minimum(index, len(values) - 1)]
 
 
-def median_point(points: Float[Array, "n 3"], weights: Float[Array, "n"]) -> Float[Array, "3"]:
+def median_point(points: Float[Array, "n 3"], weights: Float[Array, " n"]) -> Float[Array, " 3"]:
     """The coordinatewise weighted median."""
     half = jnp.asarray([0.5], points.dtype)
     return jax.vmap(lambda column: weighted_quantile(column, half, weights)[0], 1)(points)
 
 
-def _trimmed_mean(values: Float[Array, "n"], weights: Float[Array, "n"], trim: float) -> Float[Array, ""]:
+def _trimmed_mean(values: Float[Array, " n"], weights: Float[Array, " n"], trim: float) -> Float[Array, ""]:
     order = jnp.argsort(values)
     mass = jnp.cumsum(weights[order])
     kept = jnp.diff(jnp.clip(mass / mass[-1], trim, 1 - trim), prepend=trim)
@@ -37,10 +37,10 @@ def _trimmed_mean(values: Float[Array, "n"], weights: Float[Array, "n"], trim: f
 def grassmann_average(
     u: Float[Array, "n 3"],
     *,
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
     trim: float = 0.0,
     max_steps: int = 100,
-) -> Float[Array, "3"]:
+) -> Float[Array, " 3"]:
     """Leading direction of centred vectors: the robust Grassmann average.
 
     Every u_i counts as a one-dimensional subspace weighted by its length: q ← mean of sign(u_i·q) u_i,
@@ -62,17 +62,17 @@ def grassmann_average(
     _, frame = jnp.linalg.eigh((weights[:, None] * u).T @ u)
     rotated = u @ frame
 
-    def mean(signed: Float[Array, "n 3"]) -> Float[Array, "3"]:
+    def mean(signed: Float[Array, "n 3"]) -> Float[Array, " 3"]:
         if trim == 0:
             return jnp.sum(weights[:, None] * signed, axis=0)
         return jax.vmap(lambda column: _trimmed_mean(column, weights, trim), 1)(signed)
 
-    def turning(state: tuple[Float[Array, "3"], Bool[Array, ""], Int[Array, ""]]) -> Bool[Array, ""]:
+    def turning(state: tuple[Float[Array, " 3"], Bool[Array, ""], Int[Array, ""]]) -> Bool[Array, ""]:
         return ~state[1] & (state[2] < max_steps)
 
     def turn(
-        state: tuple[Float[Array, "3"], Bool[Array, ""], Int[Array, ""]],
-    ) -> tuple[Float[Array, "3"], Bool[Array, ""], Int[Array, ""]]:
+        state: tuple[Float[Array, " 3"], Bool[Array, ""], Int[Array, ""]],
+    ) -> tuple[Float[Array, " 3"], Bool[Array, ""], Int[Array, ""]]:
         q, _, k = state
         side = jnp.where(rotated @ q < 0, -1, 1).astype(u.dtype)
         average = mean(side[:, None] * rotated)
@@ -86,8 +86,8 @@ def grassmann_average(
 
 
 def _centred_midpoints(
-    x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, "n"] | None
-) -> tuple[Float[Array, "n 3"], Float[Array, "n"]]:
+    x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, " n"] | None
+) -> tuple[Float[Array, "n 3"], Float[Array, " n"]]:
     if weights is None:
         weights = jnp.ones_like(x[:, 0])
     m = 0.5 * (x + y)
@@ -98,9 +98,9 @@ def rga_normal(
     x: Float[Array, "n 3"],
     y: Float[Array, "n 3"],
     *,
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
     trim: float = TRIM,
-) -> Float[Array, "3"]:
+) -> Float[Array, " 3"]:
     """The paper's start: v = η₁ × η₂, the robust Grassmann averages that span the mid-points' plane.
 
     The mid-points are centred on their median first: uncentred, the same start is tens of degrees off.
@@ -124,8 +124,8 @@ def rga_normal(
 
 @jax.default_matmul_precision("highest")
 def pca_normal(
-    x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, "n"] | None = None
-) -> Float[Array, "3"]:
+    x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, " n"] | None = None
+) -> Float[Array, " 3"]:
     """The classical start: the least principal direction of the centred mid-points (paper, Sec. 3.2)."""
     u, weights = _centred_midpoints(x, y, weights)
     return jnp.linalg.eigh((weights[:, None] * u).T @ u)[1][:, 0]
@@ -135,7 +135,7 @@ def pca_normal(
 def l2_plane(
     x: Float[Array, "n 3"],
     y: Float[Array, "n 3"],
-    weights: Float[Array, "n"] | None = None,
+    weights: Float[Array, " n"] | None = None,
     *,
     as_printed: bool = False,
 ) -> Plane:
@@ -164,8 +164,8 @@ def l2_plane(
 
 
 def l2_normal(
-    x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, "n"] | None = None
-) -> Float[Array, "3"]:
+    x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, " n"] | None = None
+) -> Float[Array, " 3"]:
     """The normal of the `l2_plane` as a start."""
     return l2_plane(x, y, weights).normal
 

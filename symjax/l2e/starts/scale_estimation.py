@@ -34,7 +34,7 @@ NUM_SAMPLED = 1024
 LEAST_SUPPORT = 20
 """Mirror pairs, ρn, below which an optimum is none: three numbers fit any one pair exactly, at σ = 0."""
 
-Data = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, "n"]]
+Data = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, " n"]]
 
 
 def least_sigma(dtype: jnp.dtype) -> float:
@@ -42,7 +42,7 @@ def least_sigma(dtype: jnp.dtype) -> float:
     return 4 * float(jnp.finfo(dtype).eps) ** 0.5
 
 
-def profile(z: Float[Array, "5"], data: Data) -> Float[Array, ""]:
+def profile(z: Float[Array, " 5"], data: Data) -> Float[Array, ""]:
     """−log mean exp(−f_i/2σ²) + (3/2) log σ at z = (v, ω, log σ)."""
     x, y, weights = data
     sigma = jnp.exp(z[4])
@@ -51,12 +51,12 @@ def profile(z: Float[Array, "5"], data: Data) -> Float[Array, ""]:
     return jnp.log(jnp.sum(weights)) - log_kernel + floor + 1.5 * z[4]
 
 
-def expand(z: Float[Array, "5"], data: Data, unit: Float[Array, ""]) -> Expansion:
+def expand(z: Float[Array, " 5"], data: Data, unit: Float[Array, ""]) -> Expansion:
     """`profile` times unit² to second order, with the MM step, which is the least-squares plane and σ² = Σ p f/1.5."""
     x, y, weights = data
     basis = SPHERE_LINE.basis(z)
 
-    def chart(t: Float[Array, "4"]) -> Float[Array, ""]:
+    def chart(t: Float[Array, " 4"]) -> Float[Array, ""]:
         return unit**2 * profile(SPHERE_LINE.retract(z, jnp.sum(basis * t[None, :], axis=1)), data)
 
     origin = jnp.zeros(4, z.dtype)
@@ -73,7 +73,7 @@ def expand(z: Float[Array, "5"], data: Data, unit: Float[Array, ""]) -> Expansio
     return Expansion(z, value, gradient, jax.hessian(chart)(origin), scatter, middle, scale[None])
 
 
-def _solve(start: Float[Array, "5"], data: Data, limits: Limits) -> Minimum:
+def _solve(start: Float[Array, " 5"], data: Data, limits: Limits) -> Minimum:
     unit = jnp.exp(start[4])
     minimum = solve(newton(lambda z: expand(z, data, unit), **limits._asdict()), start)
     return minimum._replace(value=minimum.value / unit**2)
@@ -89,7 +89,7 @@ def starts_at_all_scales(proposed: Hypotheses, pairs: NormalizedPairs) -> Float[
 
 def estimate_scale(
     starts: Float[Array, "k 5"], pairs: NormalizedPairs, limits: Limits
-) -> tuple[Minimum, Float[Array, "5"]]:
+) -> tuple[Minimum, Float[Array, " 5"]]:
     """The best optimum from several starts that enough pairs support, and its start."""
     x, y, weights, _ = jax.lax.stop_gradient(pairs)
     row = systematic_sample(weights, NUM_SAMPLED)
@@ -103,7 +103,7 @@ def estimate_scale(
     return _solve(found.point[best], (x, y, weights), limits), starts[best]
 
 
-def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Array, "5"]) -> Fit:
+def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Array, " 5"]) -> Fit:
     """The fit at the estimated scale, differentiable in the pairs."""
     x, y, weights, to_given = pairs
     z, value = implicit_minimum(profile, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights))
