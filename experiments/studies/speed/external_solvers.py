@@ -64,7 +64,7 @@ def naive(task: Task) -> Lowest:
 def naive_from_normals(task: Task) -> Lowest:
     """The same from normals alone: the offset of each is the best of 31 quantiles of the mid-points' heights."""
     x, y = task.pairs.x, task.pairs.y
-    shares = (jnp.arange(OFFSETS) + 0.5) / OFFSETS
+    shares = jnp.asarray((np.arange(OFFSETS) + 0.5) / OFFSETS, x.dtype)
 
     def one(v: Float[Array, " 3"]) -> Float[Array, ""]:
         offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
