@@ -13,7 +13,6 @@ from symjax.l2e.status import Status
 if TYPE_CHECKING:
     import xarray
 
-    from symjax.l2e.fit import Fit
 
 DIMENSIONS = ("cloud", "sigma", "restart")
 """Those of `sweep_clouds`; `sweep` has no clouds."""
@@ -39,7 +38,7 @@ def require_xarray() -> None:
         )
 
 
-def dataset(fit: "Fit") -> "xarray.Dataset":
+def dataset(fit: Any) -> "xarray.Dataset":
     """The fits of a sweep as a dataset that netCDF can hold (`to_netcdf(path, engine="scipy")`).
 
     Dimensions are (sigma, restart), or (cloud, sigma, restart) of `sweep_clouds`. The variables are those of `Fit`:
@@ -49,7 +48,7 @@ def dataset(fit: "Fit") -> "xarray.Dataset":
     `scale` along (cloud, sigma).
 
     Args:
-        fit: fits with axes (S, R) or (C, S, R).
+        fit: a `Fit` with axes (S, R) or (C, S, R).
 
     Raises:
         InvalidArgumentError: other axes, σ that differs between restarts, or no xarray.
