@@ -186,7 +186,7 @@ def test_errors_are_one_line_and_status_2(run, scan, tmp_path, monkeypatch):
         (["detect", scan, "--sigma", 0.05], "--sigma is an option of method sym-hks, not of robust"),
         (["detect", scan, "--restarts", 5], "use --method sym-hks"),
         (["detect", scan, "--method", "sym-hks", "--init", 1, 0, 0, 0], "--init is an option of method robust"),
-        (["detect", scan, "--method", "sym-hks", "--sigma", -1], "sigma must be positive"),
+        (["detect", scan, "--method", "sym-hks", "--sigma", -1], "sigma must be a finite number, above 0"),
     ]:
         status, out, err = run(*arguments)
         assert (status, out) == (2, "")

@@ -16,6 +16,7 @@ def test_a_notebook_runs(path, monkeypatch):
     from nbclient import NotebookClient
 
     monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.setenv("NOTEBOOK_SEEDS", "1")
     # the kernel sees the package that the tests see
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(NOTEBOOKS.parent), os.environ.get("PYTHONPATH", "")]))
     notebook = jupytext.read(path)

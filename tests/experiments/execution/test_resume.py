@@ -32,7 +32,7 @@ def test_a_killed_runner_goes_on_where_it_was(tmp_path, listed, started):
     assert [len(marks(tmp_path, k)) for k in range(8)] == [1, 1, 1, 1, 2, 2, 1, 1]
 
 
-@pytest.mark.parametrize("runner_too", [False, True])
+@pytest.mark.parametrize("runner_too", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_killed_worker_of_a_cluster_changes_nothing(runner_too, tmp_path, listed, started, cluster):
     _, path, calm = listed
     results = tmp_path / "results.jsonl"

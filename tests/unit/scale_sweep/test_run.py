@@ -48,6 +48,7 @@ def test_the_planted_plane_is_found_and_sigma_estimated(found):
     np.testing.assert_allclose(found.estimated.inlier_fraction, 0.7, atol=0.06)
 
 
+@pytest.mark.slow
 def test_parts_of_a_sweep_are_the_sweep(found):
     fits = sweep(TRUTH.x, TRUTH.y, np.array(FRACTIONS) * found.pairs.diagonal, "fibonacci", restarts=8)
     np.testing.assert_array_equal(found.fits.converged, fits.converged)

@@ -44,6 +44,7 @@ def test_reverse_is_the_transpose_of_forward(theta):
     np.testing.assert_allclose(reverse, forward, atol=1e-4 if A.dtype == jnp.float32 else 1e-13)
 
 
+@pytest.mark.slow
 def test_second_derivative_is_that_of_the_first(theta):
     A, E = theta
 

@@ -9,7 +9,6 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.errors import InvalidArgumentError, NonfiniteError, SymjaxError
 from symjax.l2e.fit_plane import fit_plane
 from symjax.l2e.pairs import arguments, padded
-from symjax.l2e.sweep import sweep
 
 SIGMA = 0.02
 
@@ -52,7 +51,6 @@ def test_pairs_on_a_device_are_not_copied_to_be_checked(pairs):
     fit = fit_plane(x, y, SIGMA, v0, weights=weights)
     assert fit.converged
     np.testing.assert_allclose(fit.plane.normal, fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal).plane.normal)
-    assert sweep(x, y, [SIGMA, 0.1], jnp.eye(3), weights=weights).loss.shape == (2, 3)
 
 
 WRONG = {

@@ -27,6 +27,7 @@ def test_same_optimum_as_the_riemannian_bfgs_in_more_rounds_than_one(problem):
     assert 1 < turns.num_steps < 200
 
 
+@pytest.mark.slow
 def test_value_never_rises_from_round_to_round(problem):
     solve = jax.jit(lambda rounds: alternate(*problem, max_steps=rounds, tol=1e-7).value)
     values = np.array([solve(rounds) for rounds in range(5)])

@@ -45,7 +45,8 @@ def test_even_and_random_starts_are_those_of_the_sphere(pairs, even):
     assert not np.allclose(found.num_steps, swept(pairs, "random", key=jax.random.key(4)).num_steps)
 
 
-@pytest.mark.parametrize("name", ["rga", *(pytest.param(name, marks=pytest.mark.slow) for name in ("pca", "l2"))])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NORMALS)
 def test_a_start_that_is_one_normal_is_that_normal(pairs, name):
     """There is one of it, however many restarts are asked for."""
     normal = NORMALS[name](jnp.asarray(pairs.x), jnp.asarray(pairs.y))
@@ -107,7 +108,7 @@ def test_weights_and_limits_reach_every_fit(pairs, even):
         ({"v0s": "fibonacci", "key": jax.random.key(0)}, "no other start does"),
         ({"key": jax.random.key(0)}, "no other start does"),
         ({"v0s": "corners"}, "'corners' is unknown: choose one of fibonacci, hypotheses, random, rga, pca, l2"),
-        ({"restarts": 0}, "restarts must be 1 or more, not 0"),
+        ({"restarts": 0}, "restarts must be a whole number, at least 1, not 0"),
         ({"v0s": np.zeros((2, 3))}, "2 of 2 starting normals"),
         ({"sigmas": "auto"}, "sigmas"),
         ({"sigmas": [0.1, -0.1]}, "sigmas must be positive"),

@@ -55,6 +55,7 @@ def three():
     return clouds([40, 250, 120])
 
 
+@pytest.mark.slow
 def test_axes_are_clouds_sigmas_and_starts(three):
     fits = sweep_clouds(((p.x, p.y) for p in three), [0.05, 0.1], fibonacci(7))
     assert fits.plane.normal.shape == (3, 2, 7, 3)
