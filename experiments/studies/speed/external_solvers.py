@@ -1,7 +1,6 @@
 """Other packages' solvers on the estimator's problem: from many starts to the lowest value of ψ that they find."""
 
 import importlib.util
-import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -43,7 +42,6 @@ class Task(NamedTuple):
         return self.psi(z.at[:3].divide(jnp.sqrt(jnp.sum(z[:3] ** 2))))
 
 
-FEW = 8
 OFFSETS = 31
 
 Lowest = Callable[[], Any]
@@ -88,20 +86,6 @@ def with_optimistix(task: Task) -> Lowest:
 
     run = jax.jit(lambda starts: jnp.nanmin(jax.vmap(one)(starts)))
     return lambda: run(task.starts)
-
-
-def with_jaxopt(task: Task) -> Lowest:
-    """Jaxopt BFGS under one vmap."""
-    with warnings.catch_warnings():
-        # it warns that it is no longer maintained, and of JAX's deprecations
-        warnings.simplefilter("ignore", DeprecationWarning)
-        import jaxopt
-
-        solver = jaxopt.BFGS(task.free, maxiter=task.max_steps, tol=task.tol)
-        run = jax.jit(lambda starts: jnp.nanmin(jax.vmap(lambda start: task.free(solver.run(start).params))(starts)))
-        starts = task.starts[:FEW]
-        jax.block_until_ready(run(starts))
-    return lambda: run(starts)
 
 
 def with_scipy(task: Task) -> Lowest:
@@ -159,8 +143,6 @@ def with_pymanopt(task: Task, optimizer: str) -> Lowest:
 def available(task: Task) -> dict[str, Lowest]:
     """The solvers of the packages that are installed, by name."""
     found = {"optimistix BFGS, vmapped": with_optimistix(task), "SciPy BFGS, a loop": with_scipy(task)}
-    if importlib.util.find_spec("jaxopt"):
-        found[f"jaxopt BFGS, vmapped, {FEW} starts"] = with_jaxopt(task)
     if importlib.util.find_spec("pymanopt"):
         found |= {
             f"pymanopt {name}, a loop": with_pymanopt(task, name) for name in ("ConjugateGradient", "TrustRegions")
