@@ -90,7 +90,7 @@ def features(
     return tiles._replace(num_tiles=num_tiles)
 
 
-def _tile(pairs: tuple[PairEnds, PairEnds, Float[Array, " p"]]) -> Features:
+def _tile(pairs: tuple[Float[Array, "p 3"], Float[Array, "p 3"], Float[Array, " p"]]) -> Features:
     x, y, weights = pairs
     phi = jnp.where(weights[None, :] > 0, feature_rows(x, y), 0)
     phi = phi.at[-1].set(jnp.where(weights > 0, phi[-1], FAR))

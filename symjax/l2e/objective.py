@@ -9,22 +9,23 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from symjax.geometry.arrays import AnyArray
 from symjax.l2e.jax_config import float64_as_given
 
-Vector = Float[Array, " 3"]
+Vector = Float[AnyArray, " 3"]
 Scalar = Float[Array, ""]
 Real = float | Scalar
-PairEnds = Float[Array, "n 3"]
+PairEnds = Float[AnyArray, "n 3"]
 
 _MAX_EXPONENT = 80.0  # exp of it is finite in float32
 
 
-def _along(points: PairEnds, v: Vector) -> Float[Array, " n"]:
+def _along(points: PairEnds, v: Vector) -> Float[AnyArray, " n"]:
     """Products v · p_i by elementwise products: a float32 matrix product would run in TF32 on a GPU."""
     return points[:, 0] * v[0] + points[:, 1] * v[1] + points[:, 2] * v[2]
 
 
-def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[Array, " n"]:
+def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float[AnyArray, " n"]:
     """f_i = ‖r_i‖² on the sphere, in the form without cancellation: 4[(m_i·v − ω)² + ‖h_i − (h_i·v)v‖²].
 
     m_i = (x_i + y_i)/2 and h_i = (y_i − x_i)/2. Equal to the paper's polynomial where ‖v‖ = 1; off the sphere
