@@ -21,6 +21,7 @@ def test_every_threshold_is_varied_about_the_methods():
     assert all(0.0 in steps for grid in calibration.GRIDS for steps in grid.values())
 
 
+@pytest.mark.slow
 def test_the_methods_own_thresholds_give_the_answers_of_the_method(rows):
     thresholds = Robust().found
     found = calibration.would_be_found(rows, thresholds)
@@ -31,6 +32,7 @@ def test_the_methods_own_thresholds_give_the_answers_of_the_method(rows):
     np.testing.assert_allclose([row["threshold"] for row in rows], expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_higher_thresholds_find_less(rows):
     thresholds = Robust().found
     for change in ({"base": 0.6}, {"most": 0.9, "per_background": 1.0}, {"exactness": 1.0}):
@@ -39,12 +41,14 @@ def test_higher_thresholds_find_less(rows):
     assert not calibration.would_be_found(rows, FoundThresholds(base=2.0, most=2.0, exact=2.0)).any()
 
 
+@pytest.mark.slow
 def test_noise_is_more_on_noisy_clouds(rows):
     noise = {(row["condition"], row["model"]): row["noise"] for row in rows}
     models = {model for _, model in noise}
     assert np.mean([noise["noise1", model] > noise["clean", model] for model in models]) == 1
 
 
+@pytest.mark.slow
 def test_the_summary_has_a_line_for_every_condition_target_and_choice(rows):
     lines = calibration.summary(rows)
     choices = sum(int(np.prod([len(steps) for steps in grid.values()])) for grid in calibration.GRIDS)

@@ -9,6 +9,8 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.fit_global import fit_global
 from symjax.l2e.fit_plane import fit_plane
 
+pytestmark = pytest.mark.slow
+
 NUM, SIGMA = 250, 0.03
 # below the default, so that differences of answers have their digits
 TOL = 1e-12

@@ -57,6 +57,7 @@ def test_another_minimiser_goes_too(pairs):
     same(fit, fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal))
 
 
+@pytest.mark.slow
 def test_convergence_is_judged_by_our_own_tolerance(pairs):
     """A minimiser that is content with little goes on in the next chart until the gradient is within tol."""
     fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=0.1, atol=0.1))
