@@ -5,10 +5,14 @@ import json
 import numpy as np
 import pytest
 
+from symjax.datasets import KINDS
 from symjax.geometry.directions import deviation_angle
 from tests.golden.cases import DETECTIONS, FILE, FITS, detection, fit, name_of
 
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
+
+RIGHT = {"single": "one plane", "multiple": "several planes", "none": "none"}
+"""The answer that is right for a kind of object; of a continuous symmetry any planes may be named."""
 
 QUICK = {name_of(case) for case in [*DETECTIONS[0:300:13], *DETECTIONS[300:360:12], *FITS[::3]]}
 """The cases of the default tests."""
@@ -47,10 +51,10 @@ def test_a_detection_is_the_same(case):
     assert now["threshold"] == pytest.approx(then["threshold"], abs=1e-3)
     if abs(then["score"] - then["threshold"]) > 0.01:
         assert now["found"] == then["found"]
-        assert now["symmetry"] == then["symmetry"]
-        assert now["ambiguous"] == then["ambiguous"]
-        # through an axis or a centre there are planes without end, and any of them may be named
-        if then["symmetry"] in ("none", "one plane", "several planes"):
+        # a plane that the object does not have is a local optimum whose place, and so its score, rounding decides
+        if then["symmetry"] == RIGHT.get(KINDS[case[0]].symmetry):
+            assert now["symmetry"] == then["symmetry"]
+            assert now["ambiguous"] == then["ambiguous"]
             assert_same_planes(then, now)
     # of several planes that are as good any may come first
     if not then["ambiguous"] and then["margin"] > 0.01:
