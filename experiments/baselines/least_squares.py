@@ -1,6 +1,6 @@
 """The least-squares plane of given pairs: the maximum-likelihood estimate of Eq. 2 of the paper, printed and corrected.
 
-In NumPy and apart from `symjax.l2e.starts.initialization.l2_plane`, so that the baselines stand on nothing of ours.
+In NumPy and apart from `symjax.l2e.starts.initialisation.l2_plane`, so that the baselines stand on nothing of ours.
 """
 
 import numpy as np

@@ -10,7 +10,7 @@ from symjax.geometry import distance
 from symjax.geometry.arrays import AnyArray
 from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
-from symjax.l2e.starts import initialization
+from symjax.l2e.starts import initialisation
 
 AWAY = 1.5
 """Distance, in radii of the blob, at which the centre of outliers "beside" it stands."""
@@ -44,8 +44,8 @@ def planes(x: Float[AnyArray, "n 3"], y: Float[AnyArray, "n 3"], sigma: float, r
     found = (
         symjax.fit_plane(x, y, sigma).plane,
         Plane(swept.normal[0], swept.offset[0]),
-        initialization.l2_plane(x, y),
-        initialization.l2_plane(x, y, as_printed=True),
+        initialisation.l2_plane(x, y),
+        initialisation.l2_plane(x, y, as_printed=True),
     )
     return {
         method: Plane(np.asarray(plane.normal), np.asarray(plane.offset))

@@ -24,7 +24,7 @@ Get 1000.txt and gt_planes.mat (in evaluation.zip) from https://github.com/IGLIC
 https://shapenet.org (an account is needed), and lay them out as
   FOLDER/1000.txt
   FOLDER/gt_planes.mat
-  FOLDER/ShapeNetCore.v2/SYNSET/MODEL/models/model_normalized.obj, or FOLDER/objs/MODEL.obj
+  FOLDER/ShapeNetCore.v2/SYNSET/MODEL/models/model_normalised.obj, or FOLDER/objs/MODEL.obj
 (The OBJ files in the repository of E3Sym are in another frame: their planes are not these.)"""
 
 LIST, PLANES = "1000.txt", "gt_planes.mat"
@@ -107,4 +107,4 @@ def _model(folder: Path, name: str) -> Path | None:
     flat = folder / "objs" / f"{name}.obj"
     if flat.is_file():
         return flat
-    return next(iter(sorted(folder.glob(f"ShapeNetCore.v2/*/{name}/models/model_normalized.obj"))), None)
+    return next(iter(sorted(folder.glob(f"ShapeNetCore.v2/*/{name}/models/model_normalised.obj"))), None)

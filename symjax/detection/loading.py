@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symjax.detection.result import Detection, Pairs
-from symjax.detection.serialization import FORMAT
+from symjax.detection.serialisation import FORMAT
 from symjax.errors import FileFormatError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
-from symjax.detection import completion, serialization
+from symjax.detection import completion, serialisation
 from symjax.errors import InvalidArgumentError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
@@ -173,8 +173,8 @@ class Detection:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the points, as numbers, strings, lists and dictionaries that JSON holds."""
-        return serialization.to_dict(self)
+        return serialisation.to_dict(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes `to_dict()` as JSON; `symjax.load` reads it back, without the points."""
-        serialization.save(self, path)
+        serialisation.save(self, path)

@@ -1,4 +1,4 @@
-"""A fitted plane, or a batch of them; from a minimum on normalized pairs, with its derivatives."""
+"""A fitted plane, or a batch of them; from a minimum on normalised pairs, with its derivatives."""
 
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,7 +14,7 @@ from symjax.l2e.features import coefficients, feature_rows
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import NormalizedPairs
+from symjax.l2e.pairs.normalised import NormalisedPairs
 from symjax.l2e.solvers.base import Minimum
 from symjax.l2e.status import Status, sentences
 
@@ -125,16 +125,16 @@ def psi(z: Float[Array, " 4"], theta: tuple[Array, Array, Array, Array]) -> Floa
     return sigma**2 * (1 + jnp.log(jnp.sum(weights)) - largest - jnp.log(kernel))
 
 
-def unscale_plane(point: Float[Array, " d"], pairs: NormalizedPairs) -> Plane:
-    """A plane (v, ω) of the normalized pairs as one in the units of the points, of canonical sign."""
+def unscale_plane(point: Float[Array, " d"], pairs: NormalisedPairs) -> Plane:
+    """A plane (v, ω) of the normalised pairs as one in the units of the points, of canonical sign."""
     return pairs.to_given.plane(Plane(point[:3], point[3])).canonical()
 
 
-def unscale(pairs: NormalizedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, " 4"] | None) -> Fit:
+def unscale(pairs: NormalisedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, " 4"] | None) -> Fit:
     """The fit at a given scale, differentiable in the pairs and in σ.
 
     Args:
-        pairs: the normalized pairs.
+        pairs: the normalised pairs.
         sigma: scale σ in their units.
         minimum: what the solver found.
         start: the plane that it began with, where there is one.

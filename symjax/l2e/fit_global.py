@@ -12,7 +12,7 @@ from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_sigma
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, solve
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
@@ -36,13 +36,13 @@ FIRST_STEPS = 6
 def _fit_global(
     pairs: PaddedPairs, sigma: Float[Array, ""] | None, limits: Limits, *, num_hypotheses: int, num_refined: int
 ) -> Fit:
-    normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
-    constant = jax.lax.stop_gradient(normalized)
+    normalised = normalise_pairs(pairs.x, pairs.y, pairs.weights)
+    constant = jax.lax.stop_gradient(normalised)
     proposed = pair_hypotheses(constant, num_hypotheses)
     if sigma is None:
         starts = starts_at_all_scales(proposed, constant)
-        return unscale_with_sigma(normalized, *estimate_scale(starts, constant, limits))
-    scaled = sigma / normalized.to_given.scale
+        return unscale_with_sigma(normalised, *estimate_scale(starts, constant, limits))
+    scaled = sigma / normalised.to_given.scale
     constant_sigma = jax.lax.stop_gradient(scaled)
     starts = rank_hypotheses(proposed, constant, constant_sigma, num=num_refined)
     # a few steps of all on some of the pairs, and the best of them to its end on all
@@ -53,7 +53,7 @@ def _fit_global(
     values = jax.vmap(criterion.value)(near)
     lowest = jnp.argmin(jnp.where(jnp.isfinite(values), values, jnp.inf))
     minimum = solve(make_solver("newton", criterion, limits), near[lowest])
-    return unscale(normalized, scaled, minimum, starts[lowest])
+    return unscale(normalised, scaled, minimum, starts[lowest])
 
 
 @float64_as_given

@@ -15,13 +15,13 @@ from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import normalise
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_normals, checked_sigma
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, solve
 from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
 from symjax.l2e.starts.hypotheses import offset_search
-from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.starts.initialisation import NORMALS
 from symjax.l2e.starts.scale_estimation import GRID, estimate_scale, unscale_with_sigma
 
 
@@ -35,8 +35,8 @@ def _fit_plane(
     solver: AnySolver,
     start: str,
 ) -> Fit:
-    normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
-    constant = jax.lax.stop_gradient(normalized)
+    normalised = normalise_pairs(pairs.x, pairs.y, pairs.weights)
+    constant = jax.lax.stop_gradient(normalised)
     if v0 is None:
         v0 = NORMALS[start](constant.x, constant.y, weights=constant.weights)
     v0 = normalise(jax.lax.stop_gradient(v0))
@@ -44,12 +44,12 @@ def _fit_plane(
     if sigma is None:
         grid = jnp.asarray(GRID, v0.dtype)
         starts = jax.vmap(lambda sigma: jnp.append(plane_at(v0, sigma), jnp.log(sigma)))(grid)
-        return unscale_with_sigma(normalized, *estimate_scale(starts, constant, limits))
-    scaled = sigma / normalized.to_given.scale
+        return unscale_with_sigma(normalised, *estimate_scale(starts, constant, limits))
+    scaled = sigma / normalised.to_given.scale
     constant_sigma = jax.lax.stop_gradient(scaled)
     criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
     point = plane_at(v0, constant_sigma)
-    return unscale(normalized, scaled, solve(make_solver(solver, criterion, limits), point), point)
+    return unscale(normalised, scaled, solve(make_solver(solver, criterion, limits), point), point)
 
 
 @float64_as_given

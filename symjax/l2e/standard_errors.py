@@ -15,7 +15,7 @@ from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
 from symjax.l2e.pairs.arguments import Points, Weights
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 
 
@@ -70,7 +70,7 @@ def standard_errors(
 @jax.jit
 def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, " 3"], Float[Array, "5 5"]]:
     """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
-    x, y, weights, to_given = normalize_pairs(pairs.x, pairs.y, pairs.weights)
+    x, y, weights, to_given = normalise_pairs(pairs.x, pairs.y, pairs.weights)
     normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
     v, omega = (jnp.asarray(part) for part in to_given.inverse().plane(Plane(normal, offset)))
     sigma = sigma / to_given.scale

@@ -18,14 +18,14 @@ from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given
 from symjax.l2e.manifolds import normalise, random_points
 from symjax.l2e.pairs.arguments import Points, Weights, checked_normals, checked_sigmas
-from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs
+from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
 from symjax.l2e.solvers.batched import NUM_SLOTS, Make, solve_sharded
 from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
 from symjax.l2e.starts.hypotheses import offset_search, pair_hypotheses, plane_nms, rank_hypotheses
-from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.starts.initialisation import NORMALS
 from symjax.l2e.starts.names import STARTS
 
 RESTARTS = 64
@@ -46,9 +46,9 @@ class _Options(NamedTuple):
 def _sweep(
     pairs: PaddedPairs, sigmas: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
 ) -> Fit:
-    normalized = normalize_pairs(pairs.x, pairs.y, pairs.weights)
-    scaled = sigmas / normalized.to_given.scale
-    constant, scales = jax.lax.stop_gradient((normalized, scaled))
+    normalised = normalise_pairs(pairs.x, pairs.y, pairs.weights)
+    scaled = sigmas / normalised.to_given.scale
+    constant, scales = jax.lax.stop_gradient((normalised, scaled))
     rows = features(*constant[:3], used=pairs.used)
     starts = _starts(constant, scales, v0s, options)
     plane_at = offset_search(constant)
@@ -61,15 +61,15 @@ def _sweep(
     by_sigma = jax.vmap(jax.vmap(unscale, (None, None, 0, 0)), (None, 0, 0, 0))
     if options.continuation:
         minima, row = _continuation(make, constant, scales, starts[jnp.argmax(scales)])
-        fits = by_sigma(normalized, scaled, minima, None)
+        fits = by_sigma(normalised, scaled, minima, None)
         return jax.tree.map(lambda leaf: jax.vmap(lambda of_sigma, row: of_sigma[row])(leaf, row), fits)
     found = solve_sharded(make, jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, starts.shape[-1]))
     found = jax.tree.map(lambda leaf: leaf.reshape(*starts.shape[:2], *leaf.shape[1:]), found)
-    return by_sigma(normalized, scaled, *found)
+    return by_sigma(normalised, scaled, *found)
 
 
 def _starts(
-    pairs: NormalizedPairs, scales: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, options: _Options
+    pairs: NormalisedPairs, scales: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, options: _Options
 ) -> Float[Array, "S R d"]:
     """The normals, or the planes (d = 4), to start from at every σ."""
     if options.start == "hypotheses":
@@ -82,7 +82,7 @@ def _starts(
 
 
 def _continuation(
-    make: Make, pairs: NormalizedPairs, scales: Float[Array, " S"], starts: Float[Array, "R d"]
+    make: Make, pairs: NormalisedPairs, scales: Float[Array, " S"], starts: Float[Array, "R d"]
 ) -> tuple[Minimum, Int[Array, "S R"]]:
     """The optima of a continuation, from the largest σ to the smallest.
 

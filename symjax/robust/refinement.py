@@ -18,7 +18,7 @@ from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.pairs.padded import padded_size
 from symjax.l2e.solvers.base import Minimum
-from symjax.l2e.solvers.rbfgs import minimize
+from symjax.l2e.solvers.rbfgs import minimise
 from symjax.l2e.status import Status
 from symjax.robust.covariance import clustered_covariance, mirror_clusters
 from symjax.robust.quadrics import Quadrics
@@ -104,7 +104,7 @@ def _psi(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> Flo
 @jax.jit
 def _solve(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> tuple[Minimum, Float[Array, " m"]]:
     tol = 1e-4 * sigma
-    minimum = minimize(lambda z: _psi(z, sigma, data), z, manifold=SPHERE_LINE, max_steps=50, tol=tol)
+    minimum = minimise(lambda z: _psi(z, sigma, data), z, manifold=SPHERE_LINE, max_steps=50, tol=tol)
     return minimum, heights(minimum.point, data)
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from symjax.geometry.plane import Plane
 from symjax.l2e.fit import Fit, best
 from symjax.l2e.fit_global import fit_global
-from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.starts.initialisation import NORMALS
 from symjax.l2e.sweep import sweep
 from symjax.scale_sweep.optima import ranks
 from symjax.scale_sweep.pairs import SweepPairs

@@ -14,7 +14,7 @@ from symjax.l2e.fit import Fit
 from symjax.l2e.objective import l2e_weights
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.names import AnySolver
-from symjax.l2e.starts import initialization
+from symjax.l2e.starts import initialisation
 from symjax.l2e.sweep import sweep
 from symjax.method.result import Candidate
 
@@ -101,9 +101,9 @@ def _starts(pairs: PaddedPairs, sigma: float, starts: str, restarts: int) -> Flo
 @jax.jit
 def _named_starts(pairs: PaddedPairs) -> Float[Array, "3 3"]:
     x, y, weights, _ = pairs
-    rga = initialization.rga_normal(x, y, weights=weights)
-    pca = initialization.pca_normal(x, y, weights=weights)
-    return jnp.stack([rga, pca, initialization.l2_plane(x, y, weights).normal])
+    rga = initialisation.rga_normal(x, y, weights=weights)
+    pca = initialisation.pca_normal(x, y, weights=weights)
+    return jnp.stack([rga, pca, initialisation.l2_plane(x, y, weights).normal])
 
 
 def _pair_normals(pairs: PaddedPairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:

@@ -17,7 +17,7 @@ from symjax.io.atomic import replacing
 from symjax.viz import colours
 from symjax.viz import scene as scenes
 from symjax.viz.drawable import Drawable
-from symjax.viz.rasterizer import shaded_discs
+from symjax.viz.rasteriser import shaded_discs
 
 MAX_POINTS = 300_000
 MAX_PAIRS = 250

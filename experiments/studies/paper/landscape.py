@@ -143,7 +143,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
             image = np.full(len(disc), np.nan)
             image[inside] = cost
             ax.pcolormesh(
-                ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterized=True
+                ticks, ticks, image.reshape(len(ticks), -1), cmap="viridis", shading="nearest", rasterised=True
             )
             ax.add_patch(Circle((0, 0), 1, fill=False, color="black", linewidth=0.8))
             fitted = np.array([found[method][f"normal_{axis}"] for axis in "xyz"])

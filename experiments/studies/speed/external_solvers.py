@@ -12,8 +12,8 @@ from jaxtyping import Array, Float
 
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import NormalizedPairs
-from symjax.l2e.solvers.rbfgs import minimize
+from symjax.l2e.pairs.normalised import NormalisedPairs
+from symjax.l2e.solvers.rbfgs import minimise
 
 
 class Task(NamedTuple):
@@ -27,7 +27,7 @@ class Task(NamedTuple):
         tol: bound on the gradient.
     """
 
-    pairs: NormalizedPairs
+    pairs: NormalisedPairs
     sigma: Float[Array, ""]
     starts: Float[Array, "r 4"]
     max_steps: int
@@ -52,7 +52,7 @@ def naive(task: Task) -> Lowest:
     """Our Riemannian BFGS on the residuals as written, all starts under one vmap: what `sweep` was at first."""
 
     def one(start: Float[Array, " 4"]) -> Float[Array, ""]:
-        solved = minimize(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol)
+        solved = minimise(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol)
         return solved.value
 
     run = jax.jit(lambda starts: jnp.min(jax.vmap(one)(starts)))
@@ -68,7 +68,7 @@ def naive_from_normals(task: Task) -> Lowest:
         offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
         values = jax.vmap(lambda omega: task.psi(jnp.append(v, omega)))(offsets)
         start = jnp.append(v, offsets[jnp.argmin(values)])
-        return minimize(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol).value
+        return minimise(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol).value
 
     run = jax.jit(lambda normals: jnp.min(jax.vmap(one)(normals)))
     return lambda: run(task.starts[:, :3])
@@ -106,7 +106,7 @@ def with_scipy(task: Task) -> Lowest:
     return run
 
 
-def with_pymanopt(task: Task, optimizer: str) -> Lowest:
+def with_pymanopt(task: Task, optimiser: str) -> Lowest:
     """Pymanopt on S² × R, start by start, on a compiled value and gradient."""
     import pymanopt
     from pymanopt.manifolds import Euclidean, Product, Sphere
@@ -134,7 +134,7 @@ def with_pymanopt(task: Task, optimizer: str) -> Lowest:
     starts = np.asarray(task.starts, float)
 
     def run() -> float:
-        solver = getattr(pymanopt.optimizers, optimizer)(**options)
+        solver = getattr(pymanopt.optimizers, optimiser)(**options)
         return min(float(solver.run(problem, initial_point=[z[:3], z[3:]]).cost) for z in starts)
 
     return run

@@ -22,7 +22,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import fibonacci
 from symjax.l2e.fit import best
 from symjax.l2e.fit_global import fit_global
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.starts.hypotheses import offset_search
 from symjax.l2e.sweep import sweep
 
@@ -78,11 +78,11 @@ def run(config: Config) -> list[Row]:
 def _rows(config: Config, num_pairs: int, *, everyone: bool) -> list[Row]:
     pairs = planted_pairs(np.random.default_rng(config.seed), num_pairs, config.outliers)
     x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
-    normalized = normalize_pairs(x, y, jnp.ones(num_pairs))
-    sigma = jnp.asarray(config.sigma / normalized.to_given.scale)
+    normalised = normalise_pairs(x, y, jnp.ones(num_pairs))
+    sigma = jnp.asarray(config.sigma / normalised.to_given.scale)
     normals = fibonacci(config.restarts)
-    starts = jax.jit(jax.vmap(lambda v: offset_search(normalized)(v, sigma)))(normals)
-    task = external_solvers.Task(normalized, sigma, starts, config.max_steps, config.tol)
+    starts = jax.jit(jax.vmap(lambda v: offset_search(normalised)(v, sigma)))(normals)
+    task = external_solvers.Task(normalised, sigma, starts, config.max_steps, config.tol)
     options: dict[str, Any] = {"max_steps": config.max_steps, "tol": config.tol}
     fits = {
         OURS: lambda: fit_global(x, y, config.sigma, **options),

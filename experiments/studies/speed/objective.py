@@ -21,7 +21,7 @@ from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.manifolds import random_points
 from symjax.l2e.objective import log_objective
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.solvers.batched import NUM_SLOTS
 
 
@@ -66,16 +66,16 @@ def run(config: Config) -> list[Row]:
 def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
     pairs = planted_pairs(np.random.default_rng(config.seed), config.num_pairs, 0.5, "thin")
     x, y = (jnp.asarray(end, dtype) for end in (pairs.x, pairs.y))
-    normalized = normalize_pairs(x, y, jnp.ones(config.num_pairs, dtype))
-    sigma = jnp.asarray(config.sigma, dtype) / normalized.to_given.scale
+    normalised = normalise_pairs(x, y, jnp.ones(config.num_pairs, dtype))
+    sigma = jnp.asarray(config.sigma, dtype) / normalised.to_given.scale
     normals = random_points(jax.random.key(config.seed), config.planes).astype(dtype)
     offsets = 0.1 * jax.random.normal(jax.random.key(config.seed + 1), (config.planes, 1), dtype)
     planes = jnp.concatenate([normals, offsets], axis=1)
-    criterion = Criterion(features(normalized.x, normalized.y), sigma)
+    criterion = Criterion(features(normalised.x, normalised.y), sigma)
     exponents = -10 * jax.random.uniform(jax.random.key(2), (config.planes, config.num_pairs), dtype)
 
     naive = jax.jit(
-        jax.vmap(jax.value_and_grad(lambda z: log_objective(z[:3], z[3], sigma, normalized.x, normalized.y)))
+        jax.vmap(jax.value_and_grad(lambda z: log_objective(z[:3], z[3], sigma, normalised.x, normalised.y)))
     )
     fast = jax.jit(jax.vmap(jax.value_and_grad(criterion.value)))
     expand = jax.jit(jax.vmap(criterion.expand))

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE
 from symjax.l2e.solvers.base import Minimum, Progress, Solver, norm, solve, solver_of
-from symjax.l2e.solvers.rbfgs import minimize
+from symjax.l2e.solvers.rbfgs import minimise
 
 INNER_STEPS = 64  # limit on the steps of one inner solve
 
@@ -56,7 +56,7 @@ def alternation(
             throw=False,
         )
         omega = along_the_normal.value
-        inner = minimize(
+        inner = minimise(
             lambda v: fun(jnp.append(v, omega)),
             v,
             manifold=SPHERE,

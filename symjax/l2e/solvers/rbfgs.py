@@ -110,7 +110,7 @@ def riemannian_bfgs(
 
 
 @jax.default_matmul_precision("highest")
-def minimize(fun: Callable[[Float[Array, " d"]], Float[Array, ""]], z0: Float[Array, " d"], **options: Any) -> Minimum:
+def minimise(fun: Callable[[Float[Array, " d"]], Float[Array, ""]], z0: Float[Array, " d"], **options: Any) -> Minimum:
     """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
 
     Never raises under a trace: read `status`.

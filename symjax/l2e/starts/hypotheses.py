@@ -14,7 +14,7 @@ from symjax.geometry.plane import Plane
 from symjax.geometry.plane_nms import near
 from symjax.l2e.criterion import Point
 from symjax.l2e.features import coefficients, feature_rows
-from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
+from symjax.l2e.pairs.normalised import NormalisedPairs, systematic_sample
 
 NUM_HYPOTHESES = 1024  # pairs that propose their plane
 SUBSET = 512  # pairs that the hypotheses are ranked on
@@ -34,7 +34,7 @@ class PairSample(NamedTuple):
     y: Float[Array, "k 3"]
 
 
-def sample_pairs(pairs: NormalizedPairs, num: int) -> PairSample:
+def sample_pairs(pairs: NormalisedPairs, num: int) -> PairSample:
     """`num` of the pairs, see `systematic_sample`."""
     row = systematic_sample(pairs.weights, num)
     return PairSample(pairs.x[row], pairs.y[row])
@@ -68,7 +68,7 @@ def _along(rows: Float[Array, "3 k"], v: Float[Array, " 3"]) -> Float[Array, " k
     return rows[0] * v[0] + rows[1] * v[1] + rows[2] * v[2]
 
 
-def offset_search(pairs: NormalizedPairs) -> OffsetSearch:
+def offset_search(pairs: NormalisedPairs) -> OffsetSearch:
     """The search for the offsets of normals among some of the pairs."""
     few, some = sample_pairs(pairs, NUM_OFFSETS), sample_pairs(pairs, OFFSET_SUBSET)
     return OffsetSearch(0.5 * (few.x + few.y).T, 0.5 * (some.x + some.y).T, 0.5 * (some.y - some.x).T)
@@ -86,7 +86,7 @@ class Hypotheses(NamedTuple):
     usable: Bool[Array, " k"]
 
 
-def pair_hypotheses(pairs: NormalizedPairs, num: int = NUM_HYPOTHESES) -> Hypotheses:
+def pair_hypotheses(pairs: NormalisedPairs, num: int = NUM_HYPOTHESES) -> Hypotheses:
     """The mirror planes of single pairs."""
     x, y = sample_pairs(pairs, num)
     m, h = 0.5 * (x + y), 0.5 * (y - x)
@@ -99,7 +99,7 @@ def pair_hypotheses(pairs: NormalizedPairs, num: int = NUM_HYPOTHESES) -> Hypoth
 
 
 def rank_hypotheses(
-    proposed: Hypotheses, pairs: NormalizedPairs, sigma: Float[Array, ""], *, num: int = NUM_KEPT
+    proposed: Hypotheses, pairs: NormalisedPairs, sigma: Float[Array, ""], *, num: int = NUM_KEPT
 ) -> Float[Array, "s 4"]:
     """The best distinct hypotheses at a scale σ, the best first; where there are fewer, the best again.
 

@@ -16,7 +16,7 @@ from symjax.l2e.fit import FRACTION, Fit, unscale_plane
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import log_objective, squared_residuals
-from symjax.l2e.pairs.normalized import NormalizedPairs, systematic_sample
+from symjax.l2e.pairs.normalised import NormalisedPairs, systematic_sample
 from symjax.l2e.solvers.base import Limits, Minimum, solve
 from symjax.l2e.solvers.newton import newton
 from symjax.l2e.starts.hypotheses import Hypotheses, rank_hypotheses
@@ -79,7 +79,7 @@ def _solve(start: Float[Array, " 5"], data: Data, limits: Limits) -> Minimum:
     return minimum._replace(value=minimum.value / unit**2)
 
 
-def starts_at_all_scales(proposed: Hypotheses, pairs: NormalizedPairs) -> Float[Array, "k 5"]:
+def starts_at_all_scales(proposed: Hypotheses, pairs: NormalisedPairs) -> Float[Array, "k 5"]:
     """The best distinct hypotheses at every scale of the grid."""
     grid = jnp.asarray(GRID, pairs.x.dtype)
     planes = jax.vmap(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=PER_SCALE))(grid)
@@ -88,7 +88,7 @@ def starts_at_all_scales(proposed: Hypotheses, pairs: NormalizedPairs) -> Float[
 
 
 def estimate_scale(
-    starts: Float[Array, "k 5"], pairs: NormalizedPairs, limits: Limits
+    starts: Float[Array, "k 5"], pairs: NormalisedPairs, limits: Limits
 ) -> tuple[Minimum, Float[Array, " 5"]]:
     """The best optimum from several starts that enough pairs support, and its start."""
     x, y, weights, _ = jax.lax.stop_gradient(pairs)
@@ -103,7 +103,7 @@ def estimate_scale(
     return _solve(found.point[best], (x, y, weights), limits), starts[best]
 
 
-def unscale_with_sigma(pairs: NormalizedPairs, minimum: Minimum, start: Float[Array, " 5"]) -> Fit:
+def unscale_with_sigma(pairs: NormalisedPairs, minimum: Minimum, start: Float[Array, " 5"]) -> Fit:
     """The fit at the estimated scale, differentiable in the pairs."""
     x, y, weights, to_given = pairs
     z, value = implicit_minimum(profile, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights))

@@ -26,7 +26,7 @@ def cell_array(rows):
 def test_shapenet(tmp_path):
     near = [np.cos(0.05), np.sin(0.05), 0.0, 0.0]
     a_shapenet(tmp_path, cell_array([[[2.0, 0, 0, -1.0], near, [0, 1, 0, 0.25]], [[0.0, 0, 0, 0], [0, 0, 1, 0]]]))
-    write(tmp_path / "ShapeNetCore.v2" / "02691156" / "a1" / "models" / "model_normalized.obj", OBJ)
+    write(tmp_path / "ShapeNetCore.v2" / "02691156" / "a1" / "models" / "model_normalised.obj", OBJ)
     write(tmp_path / "objs" / "b2.obj", OBJ)
     a, b = shapenet.load(tmp_path)
     assert (a.name, len(a.planes), b.name, len(b.planes)) == ("a1", 2, "b2", 1)

@@ -11,7 +11,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e import features, objective
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.manifolds import SPHERE_LINE, random_points
-from symjax.l2e.pairs.normalized import normalize_pairs
+from symjax.l2e.pairs.normalised import normalise_pairs
 
 NUM = 60
 
@@ -99,7 +99,7 @@ def test_float32_keeps_its_digits_at_a_small_scale():
     """At σ = 0.005 the weights by a float32 product are wrong by per cent; the sums here must not be."""
     sigma = 0.005
     p = planted_pairs(np.random.default_rng(7), 1000, 0.3, noise=sigma)
-    x, y, weights, to_given = normalize_pairs(jnp.asarray(p.x), jnp.asarray(p.y), jnp.ones(1000))
+    x, y, weights, to_given = normalise_pairs(jnp.asarray(p.x), jnp.asarray(p.y), jnp.ones(1000))
     assert 0.3 < to_given.scale < 1
     v, omega = planes_near(p.normal, 0.0, 4, apart=1e-3)
     omega = omega + jnp.median(((x + y) / 2)[p.inlier] @ p.normal)

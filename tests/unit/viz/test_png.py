@@ -7,7 +7,7 @@ from PIL import Image
 from symjax.errors import InvalidArgumentError, TooFewPointsError
 from symjax.viz import colours
 from symjax.viz.png import draw, write_png
-from symjax.viz.rasterizer import shaded_discs
+from symjax.viz.rasteriser import shaded_discs
 from tests.helpers.detections import blob, detection_of
 
 SMALL = (600, 300)

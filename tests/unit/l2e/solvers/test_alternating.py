@@ -7,7 +7,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import scaled_log_loss
 from symjax.l2e.solvers.alternating import alternate
-from symjax.l2e.solvers.rbfgs import minimize
+from symjax.l2e.solvers.rbfgs import minimise
 from symjax.l2e.status import Status
 
 
@@ -21,7 +21,7 @@ def problem():
 
 def test_same_optimum_as_the_riemannian_bfgs_in_more_rounds_than_one(problem):
     turns = alternate(*problem, tol=1e-7)
-    both = minimize(*problem, manifold=SPHERE_LINE, tol=1e-10)
+    both = minimise(*problem, manifold=SPHERE_LINE, tol=1e-10)
     assert turns.status == Status.SUCCESSFUL
     np.testing.assert_allclose(turns.point, both.point, atol=1e-6)
     assert 1 < turns.num_steps < 200

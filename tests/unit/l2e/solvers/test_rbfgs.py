@@ -7,14 +7,14 @@ import scipy.optimize
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE, random_points
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.solvers.rbfgs import minimize
+from symjax.l2e.solvers.rbfgs import minimise
 from symjax.l2e.status import Status, sentences
 
 SIGMA = 0.05
 
 
 def quadratic(H, v0, **options):
-    return minimize(lambda v: v @ H @ v, v0, manifold=SPHERE, **options)
+    return minimise(lambda v: v @ H @ v, v0, manifold=SPHERE, **options)
 
 
 def symmetric(rng, num):
@@ -64,7 +64,7 @@ def problem():
 
 @pytest.fixture(scope="module")
 def optimum(problem):
-    return minimize(*problem, manifold=SPHERE_LINE, tol=1e-11)
+    return minimise(*problem, manifold=SPHERE_LINE, tol=1e-11)
 
 
 def test_same_optimum_as_scipy_in_a_chart(problem, optimum):
@@ -112,7 +112,7 @@ def test_float32_stays_float32_and_converges(rng):
     ids=["steps", "nan", "rounding"],
 )
 def test_a_solve_that_fails_says_why(fun, options, expected):
-    minimum = minimize(fun, jnp.asarray([0.48, 0.6, 0.64]), manifold=SPHERE, **options)
+    minimum = minimise(fun, jnp.asarray([0.48, 0.6, 0.64]), manifold=SPHERE, **options)
     assert expected in sentences(minimum.status)
 
 

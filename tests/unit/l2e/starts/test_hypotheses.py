@@ -9,7 +9,7 @@ from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.geometry.plane import Plane
 from symjax.l2e.objective import scaled_log_loss
-from symjax.l2e.pairs.normalized import NormalizedPairs, normalize_pairs, systematic_sample
+from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs, systematic_sample
 from symjax.l2e.pairs.padded import pad_pairs
 from symjax.l2e.starts.hypotheses import (
     SAME_ANGLE,
@@ -25,12 +25,12 @@ NUM, BUCKET = 200, 256
 SIGMA = jnp.asarray(0.05)
 
 
-def normalized(x, y, weights=None):
+def normalised(x, y, weights=None):
     """The pairs as the solver sees them: padded, centred, scaled."""
     return made(*pad_pairs(x, y, weights)[:3])
 
 
-made = jax.jit(normalize_pairs)
+made = jax.jit(normalise_pairs)
 proposed_by = jax.jit(pair_hypotheses)
 screen = jax.jit(lambda proposed, pairs, sigma: rank_hypotheses(proposed, pairs, sigma))
 drawn = jax.jit(systematic_sample, static_argnums=1)
@@ -41,8 +41,8 @@ def planted():
     return planted_pairs(np.random.default_rng(21), NUM, 0.8)
 
 
-def in_own_units(points, pairs: NormalizedPairs):
-    """Planes (v, ω) of normalized pairs as planes in the units of the points."""
+def in_own_units(points, pairs: NormalisedPairs):
+    """Planes (v, ω) of normalised pairs as planes in the units of the points."""
     back = jax.tree.map(np.asarray, pairs.to_given)
     return back.plane(Plane(np.asarray(points)[:, :3], np.asarray(points)[:, 3]))
 
@@ -55,7 +55,7 @@ def alike(points, plane):
 
 
 def test_every_pair_is_mirrored_exactly_by_the_plane_it_proposes(planted):
-    pairs = normalized(planted.x, planted.y)
+    pairs = normalised(planted.x, planted.y)
     normals, offsets = in_own_units(proposed_by(pairs).points, pairs)
     expected = planted.y - planted.x
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
@@ -74,7 +74,7 @@ def test_one_mirror_pair_names_the_plane(planted):
     length = np.linalg.norm((planted.y - planted.x)[inlier], axis=1)
     few = inlier[np.argsort(-length)[:3]]
     rows = np.concatenate([few, np.flatnonzero(~planted.inlier)])
-    pairs = normalized(planted.x[rows], planted.y[rows])
+    pairs = normalised(planted.x[rows], planted.y[rows])
     proposed = proposed_by(pairs)
     normals, offsets = in_own_units(proposed.points, pairs)
     right = deviation_angle(normals, np.broadcast_to(planted.normal, normals.shape)) < 3
@@ -87,7 +87,7 @@ def test_one_mirror_pair_names_the_plane(planted):
 @pytest.mark.parametrize("sigma", [0.02, 0.1, 0.5])
 def test_what_is_kept_is_distinct_and_the_best_first(sigma):
     p = planted_pairs(np.random.default_rng(22), SUBSET, 0.8)  # so many that each is ranked on once
-    pairs = normalized(p.x, p.y)
+    pairs = normalised(p.x, p.y)
     proposed = proposed_by(pairs)
     kept = np.asarray(screen(proposed, pairs, jnp.asarray(sigma)))
     for k in range(len(kept)):
@@ -130,7 +130,7 @@ def test_fewer_distinct_planes_than_asked_are_the_best_again():
 def test_fewer_pairs_than_hypotheses_propose_all_the_same():
     x = np.random.default_rng(2).normal(size=(3, 3))
     y = x * [-1, 1, 1]
-    pairs = normalized(x, y)
+    pairs = normalised(x, y)
     kept = np.asarray(screen(proposed_by(pairs), pairs, SIGMA))
     normals, offsets = in_own_units(kept, pairs)
     np.testing.assert_allclose(np.abs(normals), np.tile([1, 0, 0], (len(kept), 1)), atol=1e-12)
@@ -175,7 +175,7 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
     weights[away] = 0
     x[away], y[away] = 1e100, -1e100
     y[points] = x[points]
-    pairs = normalized(x, y, weights)
+    pairs = normalised(x, y, weights)
     proposed = proposed_by(pairs)
     assert np.isfinite(proposed.points).all()
     given = np.setdiff1d(np.arange(NUM), list(absent))
@@ -191,7 +191,7 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
 
 
 def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
-    pairs = normalized(planted.x, planted.y)
+    pairs = normalised(planted.x, planted.y)
     raised = offset_search(pairs)
     sigma = jnp.asarray(0.1)
     v = jnp.concatenate([fibonacci(20), jnp.asarray(planted.normal)[None]])

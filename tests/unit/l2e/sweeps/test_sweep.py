@@ -12,7 +12,7 @@ from symjax.l2e import sweep as sweep_module
 from symjax.l2e.fit import best
 from symjax.l2e.fit_plane import fit_plane
 from symjax.l2e.manifolds import random_points
-from symjax.l2e.starts.initialization import NORMALS
+from symjax.l2e.starts.initialisation import NORMALS
 from symjax.l2e.sweep import sweep
 
 NUM, SIGMAS, RESTARTS = 200, [0.05, 0.02, 0.2], 10

@@ -1,7 +1,7 @@
 """Point clouds as shaded discs in a depth buffer, with NumPy alone.
 
 A pixel is darkened where something nearer to the viewer stands beside it: eye-dome lighting (Boucheny, "Interactive
-scientific visualization of large datasets: towards a perceptive-based approach", 2009). It shows shape and asks
+scientific visualisation of large datasets: towards a perceptive-based approach", 2009). It shows shape and asks
 for no normals.
 """
 

@@ -5,7 +5,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import deviation_angle
-from symjax.l2e.starts.initialization import (
+from symjax.l2e.starts.initialisation import (
     grassmann_average,
     l2_plane,
     median_point,

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from symjax.geometry.similarity import Similarity
 
 
-class NormalizedPairs(NamedTuple):
+class NormalisedPairs(NamedTuple):
     """Pairs centred and scaled to unit radius.
 
     Attributes:
@@ -45,7 +45,7 @@ def systematic_sample(weights: Float[Array, " n"], num: int) -> Int[Array, " num
     return jnp.minimum(row, len(weights) - 1)
 
 
-def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, " n"]) -> NormalizedPairs:
+def normalise_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Float[Array, " n"]) -> NormalisedPairs:
     """Centres and scales pairs, so that any unit and any origin will do.
 
     The centre is the median and the radius the median distance from it, of some of the pairs, so that outliers move
@@ -62,4 +62,4 @@ def normalize_pairs(x: Float[Array, "n 3"], y: Float[Array, "n 3"], weights: Flo
     # subtracted first: far from the origin the inverse of `to_given` would round by more. Cut, since farther off no
     # pair has a weight, but its f would be rounded by more than σ²: the features are its squares
     scaled = [jnp.clip((end - centre[None, :]) / radius, -REACH, REACH) for end in (x, y)]
-    return NormalizedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), Similarity(radius, None, centre))
+    return NormalisedPairs(scaled[0], scaled[1], weights / jnp.mean(weights), Similarity(radius, None, centre))
