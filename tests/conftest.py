@@ -23,7 +23,6 @@ CORE_PACKAGES = ("datasets", "detection", "geometry", "io", "preprocess", "viz")
 
 def pytest_addoption(parser):
     parser.addoption("--default-flags", action="store_true", help="leave JAX's flags alone (with -m any_precision)")
-    parser.addoption("--check-shapes", action="store_true", help="check every annotation of symjax at every call")
 
 
 def pytest_configure(config):
@@ -31,8 +30,7 @@ def pytest_configure(config):
     jax.config.update("jax_numpy_dtype_promotion", "strict")
     if not config.getoption("--default-flags"):
         jax.config.update("jax_enable_x64", True)
-    if config.getoption("--check-shapes"):  # before any test imports symjax
-        shape_checks.install()
+    shape_checks.install()  # before any test imports symjax
 
 
 def pytest_collection_modifyitems(items):
