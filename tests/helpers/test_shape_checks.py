@@ -9,10 +9,11 @@ def test_every_annotation_of_symjax_is_checked():
     assert add_outliers(np.zeros((9, 3)), 1).shape == (18, 3)
     try:
         add_outliers(np.zeros((9, 4)), 1.0)
-    except jaxtyping.TypeCheckError as error:
+    except jaxtyping.TypeCheckError as error:  # `pytest.raises` would switch the checks off
         assert "Expected type: <class 'Float[ndarray, 'n 3']'>" in str(error)
     else:
         pytest.fail("a wrong shape passed")
+    assert "Float[ndarray, 'n 3']" in refusal
 
 
 def test_a_wrong_argument_on_purpose_meets_what_it_meets_at_a_users():
