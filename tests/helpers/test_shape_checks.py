@@ -10,7 +10,7 @@ def test_every_annotation_of_symjax_is_checked():
     try:
         add_outliers(np.zeros((9, 4)), 1.0)
     except jaxtyping.TypeCheckError as error:  # `pytest.raises` would switch the checks off
-        assert "Expected type: <class 'Float[ndarray, 'n 3']'>" in str(error)
+        refusal = str(error)
     else:
         pytest.fail("a wrong shape passed")
     assert "Float[ndarray, 'n 3']" in refusal
