@@ -1,1 +1,17 @@
-"""The robust method: L2E with correspondences that follow the plane, verified on the cloud."""
+"""The robust method: finds mirror planes by matching the reflected cloud with the cloud itself.
+
+`Robust.find` in `method` runs these stages in order. Lengths are in units of the cloud's diagonal.
+
+1. Surface. `surface` estimates the surface that the cloud samples: normals, point confidence and boundary.
+   `visibility` decides whether the cloud is a scan from one side and from where it was taken. `voxel_grid` stores the
+   nearest surface point of every voxel around the cloud, and the non-match penalty there.
+2. Search. `hypotheses` proposes about 7 000 planes. `search` scores all of them by the voxel grid and keeps the best.
+3. Registration. `registration` moves the kept planes until the reflected cloud lies on the cloud, as in ICP. `search`
+   then drops near-duplicates (`duplicates`) and scores the remaining candidates.
+4. Refinement. `quadrics` fits a smooth patch around every point. `refinement` minimises the L2E criterion of the
+   heights above these patches for the best candidates. `covariance` computes the standard errors.
+5. Scoring. `scoring` computes the score and the exactness of every refined candidate on all points. Together they give
+   the ranking score.
+6. Classification. `classification` compares the scores with a threshold, decides which candidates are mirror planes,
+   and what symmetry they make up: none, one plane, several planes, an axis, or a sphere.
+"""

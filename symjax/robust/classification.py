@@ -1,4 +1,17 @@
-"""Classification of a cloud's symmetry: none, one plane, several planes, or all planes through an axis or a centre."""
+"""Classification: which candidates are mirror planes, and what symmetry they make up.
+
+`classify` makes four decisions in order:
+
+1. The best candidate must exceed its threshold. Otherwise the symmetry is "none".
+2. Another candidate is a mirror plane too if it exceeds its own threshold, its ranking score is not far below the best,
+   and the score falls on the way to every better mirror plane. Candidates that are as good as the best are spared the
+   last condition.
+3. If the second mirror plane is about as good as the first, the answer is ambiguous. It may then be a sample of the
+   planes of a continuous symmetry. The line in which two candidates intersect is an axis if all planes through it score
+   high.
+4. If the planes through a line that is tilted to the axis score high too, the symmetry is a sphere. The line is taken
+   through the common point of the mirror planes.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -12,60 +25,70 @@ from symjax.geometry import checks
 from symjax.geometry.local_frames import tangent_frames
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
-from symjax.robust.distinct import SAME_OFFSET
+from symjax.robust.duplicates import SAME_OFFSET
 from symjax.robust.quadrics import Quadrics
 from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
 from symjax.robust.voxel_grid import VoxelGrid
 
 BACKGROUND = slice(4, 12)
-"""Ranks of the candidates whose median score is the background: the score of planes that are local optima on this cloud
-and no symmetries. Compact round clouds agree with any plane through their middle to some extent."""
+"""Ranks, counted from 0, of the candidates whose median score is the background: the score that a plane reaches on this
+cloud as a mere local optimum. Compact round clouds agree to some extent with any plane through their centre."""
 
 SECONDARY = 0.87
-"""Share of the best ranking score above which another plane, above its threshold, is a mirror plane too: a missing part
-may have taken more from it."""
+"""Share of the best ranking score above which another candidate may be a mirror plane. A missing part may have reduced
+its score more than that of the best."""
 
 AS_GOOD = 0.97
-"""Share of the best ranking score above which another plane is as good."""
+"""Share of the best ranking score above which another mirror plane is as good as the best."""
 
 VALLEY = 0.95
-"""Share of a plane's own score below which the score must fall somewhere on the way to every better plane. A body of
-revolution with a handle agrees with all planes through its axis nearly as well as with the handle's: those are no
-mirror planes but the shoulder of one. Chosen on generated clouds; the columns "named" of `experiments.run calibration`
-show how often the planes that it leaves are right."""
+"""Share of a candidate's own score below which the score must fall between it and every better mirror plane. A body of
+revolution with a handle agrees with all planes through its axis nearly as well as with the plane through the handle.
+They are not mirror planes, and no valley separates them from that one. Chosen on generated clouds; the columns "named"
+of `experiments.run calibration` show how often the remaining planes are right."""
 
 NUM_BETWEEN = 6
-"""Planes that are scored on the way."""
+"""Number of planes between two candidates that are scored to find a valley."""
 
 AXIS_TRIALS = 8
-"""Best candidates whose intersections are tried as axes."""
+"""Number of best candidates whose lines of intersection are tried as axes."""
 
 AXIS_PLANES = 7
-"""Planes through an axis that must all be as good: an odd number, so that few regular prisms have them all."""
+"""Number of planes through a line that must all score high for an axis. It is odd so that few regular prisms have all
+of them as mirror planes."""
 
 STILL_AS_GOOD = 0.94
-"""The same as AS_GOOD for planes that were not refined."""
+"""Share of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
+not refined."""
 
 NUM_POINTS = 1000
-"""Points that are enough to score a plane here."""
+"""Number of points on which planes are scored here."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FoundThresholds:
-    """The score above which a plane is a mirror plane.
+    """The threshold: the score that a mirror plane must exceed.
 
-    It is `base + per_background · background`, at most `most`; and `exact` for a plane whose exactness is above
-    `exactness + exactness_per_noise · noise`. Chosen on generated objects and real models: `experiments.run
-    calibration` prints the rates of right and wrong answers of these numbers and of others.
+    The threshold is `base + per_background · background`, but at most `most`. It is `exact` instead for a plane whose
+    exactness exceeds `exactness + exactness_per_noise · noise`. The defaults were chosen on generated objects and real
+    models: `experiments.run calibration` prints the rates of right and wrong answers for them and for other values.
 
     Attributes:
-        base: without any background.
-        per_background: compact round clouds agree with any plane through their middle to some extent.
-        most: whatever the background.
-        exact: where mirror images lie on the surface as closely as its own points do, that is no chance.
-        exactness: least exactness of such a plane, on a clean surface.
-        exactness_per_noise: the noisier the surface, the more exactness is reached by chance.
+        base: threshold without any background.
+        per_background: increase of the threshold with the background. Compact round clouds agree to some extent with
+            any plane through their centre.
+        most: upper limit of the threshold, whatever the background.
+        exact: threshold of exact planes. Mirror images that lie as close to the surface as its own points are not due
+            to chance.
+        exactness: exactness that an exact plane must exceed on a clean surface.
+        exactness_per_noise: increase of that exactness with the noise. On a noisy surface chance reaches a higher one.
+
+    Example:
+        >>> FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
+        array(0.675)
+        >>> FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
+        array(0.4)
     """
 
     base: float = 0.36
@@ -76,24 +99,24 @@ class FoundThresholds:
     exactness_per_noise: float = 0.35
 
     def __post_init__(self) -> None:
-        """Raises InvalidArgumentError for a number that is negative or not finite."""
+        """Raises InvalidArgumentError if a number is negative or not finite."""
         for field in fields(self):
             checks.number(field.name, getattr(self, field.name), least=0)
 
     def threshold(self, exactness: Any, background: Any, noise: Any) -> Float[np.ndarray, "*n"]:
-        """The score that a plane must exceed.
+        """Returns the threshold of a plane, or of an array of planes.
 
         Args:
-            exactness: of the plane, or of an array of planes; 0 where it is not known.
-            background: see `background`.
-            noise: of the surface, see `relative_noise`.
+            exactness: exactness of the plane; 0 if it is not known.
+            background: median score of other candidates, see `background`.
+            noise: noise of the surface, see `relative_noise`.
         """
         usual = np.minimum(self.base + self.per_background * np.asarray(background), self.most)
         return np.where(exactness > self.exactness + self.exactness_per_noise * np.asarray(noise), self.exact, usual)
 
 
 class Classification(NamedTuple):
-    """What the candidates make up; see `MethodResult`."""
+    """The symmetry that the candidates make up; `MethodResult` documents the fields."""
 
     threshold: float
     symmetry: Symmetry
@@ -103,12 +126,12 @@ class Classification(NamedTuple):
 
 
 def background(ranked: Sequence[Candidate]) -> float:
-    """Median score of the candidates in the middle ranks; 0 if there are none."""
+    """Returns the median score of the candidates in the ranks BACKGROUND, or 0 if there are too few candidates."""
     return float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
 
 
 def relative_noise(surface: Surface, quadrics: Quadrics) -> float:
-    """The surface's own scatter in its tolerances."""
+    """Returns the scatter of a surface about its quadrics, in tolerances of the surface."""
     return quadrics.scatter / surface.tolerance
 
 
@@ -121,20 +144,20 @@ def classify(
     *,
     use_normals: bool = True,
 ) -> Classification:
-    """Decides whether there is a mirror plane, whether it is the only one, and what kind of symmetry several make up.
+    """Decides which candidates are mirror planes, and what symmetry they make up.
 
     Args:
         ranked: distinct candidates, the best first.
-        surface: in units of its diagonal.
-        quadrics: of the surface.
-        grid: around the surface.
-        thresholds: of the score.
+        surface: the surface, in units of its diagonal.
+        quadrics: the quadrics of the surface.
+        grid: the voxel grid around the surface.
+        thresholds: the rule for the threshold.
         use_normals: see `score_plane`.
     """
     scorer = _Scorer(surface, grid, use_normals)
     best = ranked[0]
-    others, noise = background(ranked), relative_noise(surface, quadrics)
-    limits = [float(thresholds.threshold(c.exactness or 0.0, others, noise)) for c in ranked]
+    background_score, noise = background(ranked), relative_noise(surface, quadrics)
+    limits = [float(thresholds.threshold(c.exactness or 0.0, background_score, noise)) for c in ranked]
     if best.score <= limits[0]:
         return Classification(limits[0], "none", False, None, ())
     mirrors = [
@@ -142,7 +165,7 @@ def classify(
         for c, limit in zip(ranked, limits, strict=True)
         if c.score > limit and c.ranking_score > SECONDARY * best.ranking_score
     ]
-    mirrors = _peaks(mirrors, scorer)
+    mirrors = _separated(mirrors, scorer)
     planes = tuple(c.plane for c in mirrors)
     if len(mirrors) == 1:
         return Classification(limits[0], "one plane", False, None, planes)
@@ -153,13 +176,13 @@ def classify(
     if axis is None:
         return Classification(limits[0], "several planes", True, None, planes)
     centre = _common_point(planes)
-    if scorer.all_exceed(_through_line(centre, _tilted(axis[1])), least):
+    if scorer.all_exceed(_planes_through_line(centre, _tilted(axis[1])), least):
         return Classification(limits[0], "sphere", True, (centre, axis[1]), planes)
     return Classification(limits[0], "axis", True, axis, planes)
 
 
 class _Scorer(NamedTuple):
-    """Scores planes on some points of a surface, which are enough to compare planes."""
+    """Scores planes on about NUM_POINTS points of a surface, which are enough to compare planes."""
 
     surface: Surface
     grid: VoxelGrid
@@ -173,22 +196,22 @@ class _Scorer(NamedTuple):
         return all(self.score(plane) > least for plane in planes)
 
 
-def _peaks(ranked: list[Candidate], scorer: _Scorer) -> list[Candidate]:
-    """The candidates that are as good as the best, or peaks of their own."""
+def _separated(ranked: list[Candidate], scorer: _Scorer) -> list[Candidate]:
+    """Returns the candidates that are as good as the best, or that a valley separates from every better one kept."""
     middle = scorer.surface.points.mean(axis=0)
     kept: list[Candidate] = []
     for candidate in ranked:
         valley = VALLEY * scorer.score(candidate.plane)
         if candidate.ranking_score >= AS_GOOD * ranked[0].ranking_score or all(
-            any(scorer.score(plane) < valley for plane in _between(candidate.plane, better.plane, middle))
+            any(scorer.score(plane) < valley for plane in _planes_between(candidate.plane, better.plane, middle))
             for better in kept
         ):
             kept.append(candidate)
     return kept
 
 
-def _between(a: Plane, b: Plane, middle: Float[np.ndarray, " 3"]) -> Iterator[Plane]:
-    """Planes on the shorter way from one to the other, turning about the line in which they meet."""
+def _planes_between(a: Plane, b: Plane, middle: Float[np.ndarray, " 3"]) -> Iterator[Plane]:
+    """Yields planes between two planes, turning the shorter way about the line in which these intersect."""
     start, end = (np.append(plane.normal, plane.offset - plane.normal @ middle) for plane in (a, b))
     end = -end if start[:3] @ end[:3] < 0 else end
     for part in np.arange(1, NUM_BETWEEN + 1) / (NUM_BETWEEN + 1):
@@ -198,29 +221,30 @@ def _between(a: Plane, b: Plane, middle: Float[np.ndarray, " 3"]) -> Iterator[Pl
 
 
 def _common_point(planes: tuple[Plane, ...]) -> Float[np.ndarray, " 3"]:
-    """The point nearest to all planes by least squares; then again without the planes that miss it."""
+    """Returns the point nearest to the planes by least squares, without those that miss the first solution."""
     normals, offsets = np.stack([p.normal for p in planes]), np.array([p.offset for p in planes])
     point = np.linalg.lstsq(normals, offsets)[0]
     near = np.abs(normals @ point - offsets) <= np.median(np.abs(normals @ point - offsets)) + SAME_OFFSET
-    return np.linalg.lstsq(normals[near], offsets[near])[0]
+    common: Float[np.ndarray, " 3"] = np.linalg.lstsq(normals[near], offsets[near])[0]
+    return common
 
 
 def _axis(planes: list[Plane], scorer: _Scorer, least: float) -> Axis | None:
-    """The line in which two of the planes meet, if all planes through the line are as good; None if there is none."""
+    """Finds a line in which two of the planes intersect and through which all planes score more than `least`."""
     for a, b in combinations(planes, 2):
         direction = np.cross(a.normal, b.normal)
         length = float(np.linalg.norm(direction))
         if length < np.sin(np.radians(20)):
-            continue  # nearly parallel planes do not fix a line
+            continue  # the line of nearly parallel planes is too uncertain
         direction /= length
         point = np.linalg.solve(np.stack([a.normal, b.normal, direction]), np.array([a.offset, b.offset, 0.0]))
-        if scorer.all_exceed(_through_line(point, direction), least):
+        if scorer.all_exceed(_planes_through_line(point, direction), least):
             return point, direction
     return None
 
 
-def _through_line(point: Float[np.ndarray, " 3"], direction: Float[np.ndarray, " 3"]) -> list[Plane]:
-    """Planes through a line, at even angles."""
+def _planes_through_line(point: Float[np.ndarray, " 3"], direction: Float[np.ndarray, " 3"]) -> list[Plane]:
+    """Returns AXIS_PLANES planes through a line, at even angles."""
     first, second = tangent_frames(direction).T
     turns = np.pi * (np.arange(AXIS_PLANES) + 0.5) / AXIS_PLANES
     normals = [np.cos(turn) * first + np.sin(turn) * second for turn in turns]
@@ -228,5 +252,6 @@ def _through_line(point: Float[np.ndarray, " 3"], direction: Float[np.ndarray, "
 
 
 def _tilted(direction: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
-    """A direction well off another: planes about it are planes about the other only by chance."""
-    return (direction + tangent_frames(direction)[:, 0]) / np.sqrt(2)
+    """Returns a direction at 45° to another. Planes through both lines coincide only by chance."""
+    tilted: Float[np.ndarray, " 3"] = (direction + tangent_frames(direction)[:, 0]) / np.sqrt(2)
+    return tilted

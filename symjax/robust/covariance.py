@@ -1,4 +1,4 @@
-"""Clustered covariance: standard errors where neighbouring residuals are no independent evidence."""
+"""Covariance: standard errors of a fit whose neighbouring residuals are not independent."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -7,12 +7,17 @@ from symjax.geometry.plane import Plane
 
 
 def mirror_clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float) -> Int[np.ndarray, " n"]:
-    """Labels of cells of the half space that the plane folds the cloud into: a point and its mirror image share one.
+    """Divides the points into clusters, such that a point and its mirror image share one.
+
+    The plane folds space onto one half, which is divided into cubic cells.
 
     Args:
-        plane: the mirror.
-        points: the cloud.
-        cell: side of a cell.
+        plane: the mirror plane.
+        points: the points.
+        cell: side of a cell, in the units of the points.
+
+    Returns:
+        The label of the cluster of each point, counted from 0.
     """
     height = np.asarray(plane.signed_distance(points))
     folded = points - (np.minimum(height, 0) * 2)[:, None] * plane.normal
@@ -22,20 +27,22 @@ def mirror_clusters(plane: Plane, points: Float[np.ndarray, "n 3"], cell: float)
 def clustered_covariance(
     gradients: Float[np.ndarray, "n 3"], hessians: Float[np.ndarray, "n 3 3"], cluster: Int[np.ndarray, " n"]
 ) -> Float[np.ndarray, "3 3"]:
-    """Sandwich covariance of an M-estimate by the jackknife over clusters (CR3), one Newton step for each left out.
+    """Computes the covariance of an M-estimate by the jackknife over clusters (CR3).
 
-    With few clusters of unequal weight the plain sandwich H⁻¹ Σ g gᵀ H⁻¹ is too small.
+    Each cluster is left out in turn, and one Newton step estimates how far the optimum moves. The plain sandwich
+    H⁻¹ Σ g gᵀ H⁻¹ is too small if there are few clusters of unequal weight.
     MacKinnon, Nielsen, Webb, "Cluster-robust inference: a guide to empirical practice", J. Econometrics 232 (2023).
 
     Args:
-        gradients: every residual's share of the criterion's gradient.
-        hessians: every residual's share of its expected Hessian.
-        cluster: label of every residual.
+        gradients: contribution of each residual to the gradient of the criterion.
+        hessians: contribution of each residual to its expected Hessian.
+        cluster: label of the cluster of each residual.
     """
     count = int(cluster.max()) + 1
     gradient = np.stack([np.bincount(cluster, column, count) for column in gradients.T], axis=1)
     entries = [np.bincount(cluster, entry, count) for entry in hessians.reshape(-1, 9).T]
     hessian = np.stack(entries, axis=1).reshape(-1, 3, 3)
     used = (gradient != 0).any(axis=1)
-    step = np.matmul(np.linalg.pinv(hessian.sum(axis=0) - hessian[used]), gradient[used][:, :, None])[:, :, 0]
-    return step.T @ step * (1 - 1 / max(len(step), 2))
+    steps = np.matmul(np.linalg.pinv(hessian.sum(axis=0) - hessian[used]), gradient[used][:, :, None])[:, :, 0]
+    covariance: Float[np.ndarray, "3 3"] = steps.T @ steps * (1 - 1 / max(len(steps), 2))
+    return covariance

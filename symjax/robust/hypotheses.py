@@ -1,4 +1,4 @@
-"""Planes to begin with, from three independent sources."""
+"""Hypotheses: the planes that the search starts from, from three independent sources."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,75 +8,87 @@ from symjax.geometry.plane import Plane
 from symjax.robust.surface import Surface
 
 NUM_DIRECTIONS, OFFSET_STEP = 400, 0.04
-"""Directions over half the sphere, 7° apart, and distance of their offsets in diagonals: steps that a registration
-whose σ starts at 0.05 crosses."""
+"""Number of evenly spread normals on half the sphere, 7° apart, and distance between the offsets of each, in
+diagonals. The registration, whose σ starts at 0.05, bridges these steps."""
 
 OUTER_SHARE = 0.02
-"""Offsets stop where so small a share of the cloud lies beyond: a plane through a cloud cut in half is at its end."""
+"""Share of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of an
+object that was cut in half lies at the end of the cloud."""
 
 NUM_PAIRED = 512
-"""Points that are paired with each other."""
+"""Number of random points of which all pairs are considered."""
 
-LIKE_NORMALS = 0.95
-"""Least cosine between a normal and its partner's mirrored one in a pair that becomes a hypothesis: 18°, the error of a
-noisy normal."""
+MIN_COSINE = 0.95
+"""Minimum cosine between the normal of one point of a pair and the reflected normal of the other. It corresponds to
+18°, the error of a noisy normal."""
 
-LEAST_DISTANCE = 0.1
-"""Least distance of the two points of a pair in diagonals: the plane of a nearer pair is too uncertain."""
+MIN_DISTANCE = 0.1
+"""Minimum distance of the two points of a pair, in diagonals. The plane of a closer pair is too uncertain."""
 
 
 def hypotheses(surface: Surface, rng: np.random.Generator, *, num_pairs: int) -> Plane:
-    """Principal planes, planes of pairs of like points, and planes of even directions at several offsets.
+    """Returns the hypotheses of all sources: principal axes, pairs of points, and evenly spread planes.
 
     Args:
-        surface: in units of its diagonal.
-        rng: draws the pairs.
-        num_pairs: most planes from pairs; 0 for none.
+        surface: the surface, in units of its diagonal.
+        rng: random generator that draws the pairs.
+        num_pairs: maximum number of hypotheses from pairs; 0 for none.
+
+    Returns:
+        A batch of about 7 000 planes.
     """
     sources = (
-        principal(surface.points),
-        paired(surface, rng, num_pairs),
-        directed(surface.points, fibonacci(NUM_DIRECTIONS)),
+        principal_planes(surface.points),
+        pair_planes(surface, rng, num_pairs),
+        even_planes(surface.points, fibonacci(NUM_DIRECTIONS)),
     )
     return Plane(np.concatenate([s.normal for s in sources]), np.concatenate([s.offset for s in sources]))
 
 
-def principal(points: Float[np.ndarray, "n 3"]) -> Plane:
-    """The three planes through the mean that the principal axes are normal to."""
+def principal_planes(points: Float[np.ndarray, "n 3"]) -> Plane:
+    """Returns the three planes through the mean that are normal to the principal axes."""
     mean = points.mean(axis=0)
     axes = np.linalg.eigh(np.cov(points.T))[1].T
     return Plane(axes, axes @ mean)
 
 
-def paired(surface: Surface, rng: np.random.Generator, count: int) -> Plane:
-    """At most `count` planes between two points whose normals the plane mirrors onto each other.
+def pair_planes(surface: Surface, rng: np.random.Generator, count: int) -> Plane:
+    """Returns the perpendicular bisectors of at most `count` pairs of points.
 
-    Mitra, Guibas and Pauly, "Partial and approximate symmetry detection for 3D geometry", SIGGRAPH 2006, from two
-    points and their normals alone.
+    The plane of a pair must also reflect the normal at one point onto the normal at the other. After Mitra, Guibas and
+    Pauly, "Partial and approximate symmetry detection for 3D geometry", SIGGRAPH 2006, but from points and normals
+    alone.
     """
     rows = rng.permutation(len(surface.points))[:NUM_PAIRED]
     i, j = np.triu_indices(len(rows), 1)
     step = surface.points[rows[j]] - surface.points[rows[i]]
     distance = np.linalg.norm(step, axis=1)
-    long = distance > LEAST_DISTANCE
-    i, j, step = rows[i[long]], rows[j[long]], step[long] / distance[long, None]
-    mirrored = surface.normals[i] - 2 * (surface.normals[i] * step).sum(axis=1, keepdims=True) * step
-    like = np.flatnonzero(np.abs((mirrored * surface.normals[j]).sum(axis=1)) > LIKE_NORMALS)
-    # a flat or round part agrees with itself in countless pairs: those of rare normals say more
-    chosen = _evenly_over_directions(step[like], rng)[:count]
-    step, i, j = step[like][chosen], i[like][chosen], j[like][chosen]
-    return Plane(step, (step * (surface.points[i] + surface.points[j])).sum(axis=1) / 2)
+    far = distance > MIN_DISTANCE
+    i, j, normal = rows[i[far]], rows[j[far]], step[far] / distance[far, None]
+    reflected = surface.normals[i] - 2 * (surface.normals[i] * normal).sum(axis=1, keepdims=True) * normal
+    matching = np.flatnonzero(np.abs((reflected * surface.normals[j]).sum(axis=1)) > MIN_COSINE)
+    chosen = matching[_rare_directions_first(normal[matching], rng)[:count]]
+    i, j, normal = i[chosen], j[chosen], normal[chosen]
+    return Plane(normal, (normal * (surface.points[i] + surface.points[j])).sum(axis=1) / 2)
 
 
-def _evenly_over_directions(step: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, " p"]:
-    """All rows in a random order in which rows of rare directions come early."""
-    cell = np.unique(np.round(4 * step * np.sign(step[:, :1] + 1e-12)).astype(int), axis=0, return_inverse=True)[1]
-    crowding = np.bincount(cell.ravel())[cell.ravel()]
-    return np.argsort(rng.random(len(step)) * np.sqrt(crowding), kind="stable")
+def _rare_directions_first(directions: Float[np.ndarray, "p 3"], rng: np.random.Generator) -> Int[np.ndarray, " p"]:
+    """Returns the rows in a random order that favours rare directions.
+
+    A flat or round part of the object has very many matching pairs, which share a few directions. Without this order
+    they would crowd out the others.
+    """
+    bins = np.round(4 * directions * np.sign(directions[:, :1] + 1e-12)).astype(int)
+    label = np.unique(bins, axis=0, return_inverse=True)[1].ravel()
+    frequency = np.bincount(label)[label]
+    return np.argsort(rng.random(len(directions)) * np.sqrt(frequency), kind="stable")
 
 
-def directed(points: Float[np.ndarray, "n 3"], directions: Float[np.ndarray, "d 3"]) -> Plane:
-    """Every direction with offsets all the way through the cloud, since a missing part shifts every centre."""
+def even_planes(points: Float[np.ndarray, "n 3"], directions: Float[np.ndarray, "d 3"]) -> Plane:
+    """Returns planes with each direction as the normal, at even offsets all the way through the cloud.
+
+    Planes through the centre would not do: a missing part shifts every estimate of it.
+    """
     sample = points[:: max(1, len(points) // 1000)]
     low, high = np.quantile(sample @ directions.T, [OUTER_SHARE, 1 - OUTER_SHARE], axis=0)
     count = ((high - low) / OFFSET_STEP).astype(int) + 1

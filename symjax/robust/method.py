@@ -1,4 +1,4 @@
-"""The robust method: surface, candidates, scores, refinement and classification."""
+"""Method: `Robust`, which runs the stages of the robust method and holds its options."""
 
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
@@ -12,7 +12,7 @@ from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
 from symjax.robust.classification import FoundThresholds, classify
-from symjax.robust.distinct import is_same_candidate
+from symjax.robust.duplicates import are_duplicates
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.surface import Surface, estimate_surface
@@ -22,46 +22,69 @@ from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 if TYPE_CHECKING:
     from symjax.robust.refinement import Refinement
 
+ONE_SIDED_NOTE = "the cloud is a scan from one side: mirror images in hidden space hardly count against a plane"
+"""Note of a detection whose viewpoint was found."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Robust:
-    """Planes from many hypotheses, L2E with correspondences that follow the plane, and a verification on the cloud.
+    """The robust method: hypotheses are registered, refined by L2E, and scored against the cloud.
 
-    Every stage can be left out, and every number that an ablation or a calibration changes is an option:
-    `dataclasses.replace(Robust(), register=False)`. The defaults are the method.
+    Correspondences are not fixed in advance: they are found anew as the plane moves. What a scan could not see hardly
+    counts against a plane. The method therefore copes with noise, outliers, missing parts and scans from one side. The
+    package `symjax.robust` documents its stages.
+
+    The defaults are the method. Each option switches off a stage or changes a number, for ablations and calibrations.
 
     Attributes:
-        init: a plane to begin with beside all others, in the units of the given points.
-        use_point_confidence: whether points that do not fit their neighbours' tangent planes weigh less: they are
-            outliers, or lie on edges. If not, all weigh the same.
-        use_visibility: whether a scan from one side is recognised and what it could not see is left open.
-        boundary_penalty: non-match penalty where the surface ends, 0 to 1: a part that was not scanned counts neither
-            for a plane nor against it. 1 is the penalty inside the surface.
-        use_normals: whether mirror images must agree with the surface's normals, in registration and scores: beside a
-            surface, and across thin parts, the nearest point has another normal.
-        num_pair_hypotheses: most hypotheses from pairs of points; 0 for none. On 36 generated clouds (whole, noisy, and
-            cut among outliers) at least 1 of 1024, and 17 on the median, was within 8° and 0.03 diagonals of the true
-            plane, from where the registration reaches it.
-        register: whether hypotheses are moved to the optimum of the L2E criterion before they are compared: those of
-            even directions are 7° and 0.04 diagonals apart.
-        exact_scoring: whether candidates are ranked by scores with exact neighbours; if not, by those of the voxel
-            grid, whose neighbours are off by up to a voxel's diagonal.
-        max_refined: most candidates that are refined: a cube has nine planes.
-        refine_above: share of the best candidate's score above which another one is refined too: it may be another
+        init: an additional hypothesis, in the units of the given points; None for none. A wrong one does no harm.
+        use_point_confidence: whether points weigh less if they do not fit their neighbours' tangent planes: they are
+            outliers, or lie on edges. Otherwise all points weigh the same.
+        use_visibility: whether to recognise a scan from one side. Mirror images in space that such a scan could not see
+            hardly count against a plane. For all other clouds, only `boundary_penalty` excuses missing parts.
+        boundary_penalty: non-match penalty of mirror images beyond the boundary of the surface, 0 to 1. Inside the
+            surface it is 1. A low value means that a part that was not scanned counts little against a plane.
+        use_normals: whether mirror images must agree with the surface in normal direction too, in the registration and
+            in the scores. Near an edge or across a thin part, the nearest point has a different normal.
+        num_pair_hypotheses: maximum number of hypotheses from pairs of points; 0 for none. On 36 generated clouds
+            (whole, noisy, or cut with outliers) at least 1 of 1024, and 17 in the median, lay within 8° and 0.03
+            diagonals of the true plane. From there the registration reaches it.
+        register: whether to move hypotheses to the optimum of the L2E criterion before they are compared. Neighbouring
+            hypotheses of the evenly spread ones differ by 7° and 0.04 diagonals, too much for a comparison.
+        exact_scoring: whether to order candidates by scores with exact nearest neighbours. Otherwise their scores come
+            from the voxel grid, whose neighbours are wrong by up to the diagonal of a voxel.
+        max_refined: maximum number of candidates that are refined. A cube has nine mirror planes.
+        refine_above: share of the best score above which another candidate is refined too, since it may be another
             mirror plane.
-        refine: whether candidates take the refined plane; if not, they keep their own, with the standard errors and σ
-            of the refinement.
-        use_exactness: whether exactness counts in ranking and classification; if not, it is not computed.
-        exactness_weight: weight of the exactness above `chance_exactness` in the ranking score, beside the score:
-            exact agreement is rare by chance, and noise, which blurs the score, does not blur it.
-        chance_exactness: exactness that rough symmetries reach by chance, by a few exact parts: below, it says nothing.
-        inlier_agreement: agreement above which a pair is an inlier: at least half of what is possible.
-        found: the score above which a plane is a mirror plane.
+        refine: whether a candidate takes the refined plane. Otherwise it keeps its own, and only the standard errors
+            and σ come from the refinement.
+        use_exactness: whether the exactness counts in the ranking and the classification. Otherwise it is not computed.
+        exactness_weight: weight of the exactness in the ranking score, which is the score plus this weight times the
+            exactness above `chance_exactness`. Exact agreement is rare by chance, and unlike the score it is not
+            blurred by noise.
+        chance_exactness: exactness that rough symmetries reach by chance, because a few parts agree exactly. Exactness
+            below it is ignored.
+        inlier_agreement: agreement above which a pair is an inlier: half of the maximum.
+        found: the rule for the threshold that the score of a mirror plane must exceed.
 
     Example:
+        An ablation is the method with one option changed:
+
         >>> import dataclasses
-        >>> dataclasses.replace(Robust(), refine=False).max_refined
-        9
+        >>> dataclasses.replace(Robust(), use_normals=False).use_normals
+        False
+
+        A stricter rule finds fewer planes:
+
+        >>> strict = Robust(found=FoundThresholds(base=0.5))
+
+        `symjax.detect` runs the method:
+
+        >>> import symjax
+        >>> points = symjax.datasets.generate("quadruped", num_points=300, rng=0).points
+        >>> detection = symjax.detect(points, strict)
+        >>> print(detection.symmetry, abs(detection.plane.normal).round(2))
+        one plane [1. 0. 0.]
     """
 
     name: ClassVar[str] = "robust"
@@ -85,7 +108,7 @@ class Robust:
     found: FoundThresholds = field(default_factory=FoundThresholds)
 
     def __post_init__(self) -> None:
-        """Raises InvalidArgumentError for an option out of its range; a plane's normal is divided by its length."""
+        """Checks the options and normalises the initial plane; raises InvalidArgumentError for a bad option."""
         if self.init is not None:
             object.__setattr__(self, "init", _checked_plane(self.init))
         for name in ("boundary_penalty", "refine_above", "chance_exactness", "inlier_agreement"):
@@ -100,8 +123,18 @@ class Robust:
             raise InvalidArgumentError(f"found must be FoundThresholds, not {self.found!r}")
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
-        """Finds the mirror planes of a cloud, see `Method.find`."""
-        # JAX is imported when it is needed
+        """Finds the mirror planes of a cloud.
+
+        Args:
+            cloud: distinct points in their own frame, in units of their diagonal, with normals if they are known.
+            max_planes: not used, since `symjax.detect` shortens the list of candidates.
+            rng: random generator, which draws pairs of points and the points that are reflected.
+            timer: announces and times the stages.
+
+        Returns:
+            The candidates and their classification, in the frame and the units of the cloud.
+        """
+        # JAX is only imported when it is needed
         from symjax.robust.search import candidates
 
         prior = None if self.init is None else cloud.to_given.inverse().plane(self.init)
@@ -122,20 +155,20 @@ class Robust:
             )
         with timer.stage("refining"):
             quadrics = fit_quadrics(surface)
-            refined, rest = self._refined(searched, surface, quadrics, grid)
+            refined, others = self._refine(searched, surface, quadrics, grid)
         with timer.stage("classifying"):
-            ranked = (*(one.candidate for one in refined), *rest)
-            symmetry = classify(ranked, surface, quadrics, grid, self.found, use_normals=self.use_normals)
+            ranked = (*(r.candidate for r in refined), *others)
+            result = classify(ranked, surface, quadrics, grid, self.found, use_normals=self.use_normals)
         best, scored = refined[0].refinement, refined[0].scored
         rows = np.flatnonzero(scored.weight > 0)
         agreement = scored.agreement[rows]
         return MethodResult(
             candidates=ranked,
-            planes=symmetry.planes,
-            symmetry=symmetry.symmetry,
-            threshold=symmetry.threshold,
-            ambiguous=symmetry.ambiguous,
-            axis=symmetry.axis,
+            planes=result.planes,
+            symmetry=result.symmetry,
+            threshold=result.threshold,
+            ambiguous=result.ambiguous,
+            axis=result.axis,
             rows=np.stack([rows, scored.partner[rows]], axis=1),
             weight=agreement,
             inlier_weight=self.inlier_agreement,
@@ -144,41 +177,41 @@ class Robust:
             converged=best.converged,
             message=best.message,
             uncertainty=best.uncertainty,
-            notes=() if viewpoint is None else ("the cloud is a scan from one side: what it hides was left open",),
+            notes=() if viewpoint is None else (ONE_SIDED_NOTE,),
         )
 
-    def _refined(
+    def _refine(
         self, searched: tuple[Candidate, ...], surface: Surface, quadrics: Quadrics, grid: VoxelGrid
     ) -> tuple[list["_Refined"], list[Candidate]]:
-        """The candidates that may be the best, refined and scored on all points; and the others; the best first."""
+        """Refines the best candidates and scores them on all points; returns them and the others, the best first."""
         from symjax.robust.refinement import refine
 
-        done: list[_Refined] = []
+        refined: list[_Refined] = []
         for candidate in searched:
-            if len(done) == self.max_refined:
+            if len(refined) == self.max_refined:
                 break
-            if done and candidate.score < self.refine_above * max(one.candidate.score for one in done):
+            if refined and candidate.score < self.refine_above * max(r.candidate.score for r in refined):
                 break
             refinement = refine(candidate.plane, surface, quadrics)
             plane = refinement.plane if self.refine else candidate.plane
-            if any(is_same_candidate(plane, one.candidate.plane) for one in done):
+            if any(are_duplicates(plane, r.candidate.plane) for r in refined):
                 continue
             scored = score_plane(plane, surface, grid, use_normals=self.use_normals)
             exact = exactness(plane, surface, scored, quadrics) if self.use_exactness else None
             ranking_score = self._ranking_score(scored.score, exact)
-            done.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored))
-        done.sort(key=lambda one: -one.candidate.ranking_score)
-        rest = [c for c in searched if not any(is_same_candidate(c.plane, one.candidate.plane) for one in done)]
-        rest.sort(key=lambda candidate: -candidate.score)
-        return done, rest
+            refined.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored))
+        refined.sort(key=lambda r: -r.candidate.ranking_score)
+        others = [c for c in searched if not any(are_duplicates(c.plane, r.candidate.plane) for r in refined)]
+        others.sort(key=lambda candidate: -candidate.score)
+        return refined, others
 
     def _ranking_score(self, score: float, exact: float | None) -> float:
-        """The score, and a share of exact agreement."""
+        """Returns the score plus the weighted exactness above chance."""
         return score + self.exactness_weight * max((exact or 0.0) - self.chance_exactness, 0.0)
 
 
 class _Refined(NamedTuple):
-    """A refined candidate, its refinement, and its score on all points."""
+    """A candidate with its refinement and its score on all points."""
 
     candidate: Candidate
     refinement: "Refinement"
@@ -186,7 +219,7 @@ class _Refined(NamedTuple):
 
 
 class _InitialPlane(Plane):
-    """A plane that compares and hashes by its numbers, so that methods do too; arrays do neither."""
+    """A plane that compares and hashes by value, so that methods with an initial plane do too; arrays do neither."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Plane) and all(map(np.array_equal, self, other))
@@ -199,11 +232,14 @@ class _InitialPlane(Plane):
 
 
 def _checked_plane(plane: Plane) -> Plane:
+    """Returns the plane with a unit normal; raises InvalidArgumentError if it is not a plane."""
     try:
         normal, offset = (np.asarray(part, dtype=float) for part in plane)
     except (TypeError, ValueError):
         normal, offset = np.zeros(0), np.zeros(0)
     if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
-        raise InvalidArgumentError(f"init must be a plane (normal of shape (3,), offset), not {plane!r}")
+        raise InvalidArgumentError(
+            f"init must be a Plane with a finite, nonzero normal of shape (3,) and a finite offset, not {plane!r}"
+        )
     length = np.linalg.norm(normal)
     return _InitialPlane(normal / length, offset / length)

@@ -1,8 +1,9 @@
-"""Refinement of a plane: L2E with point-to-surface residuals and exact neighbours, and its standard errors.
+"""Refinement: moves a plane to the optimum of the L2E criterion of exact point-to-surface residuals.
 
-The mirror image of a random sample has no twin in it: distances between points floor the accuracy at the sample's
-spacing. The residual here is the height of a mirror image above the quadric of its partner; the rest is the paper's
-estimator, ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²) minimised by Riemannian BFGS on S² × R.
+In a randomly sampled cloud, no point lies exactly at the mirror image of another. Distances between points would
+therefore limit the accuracy to the spacing. Here the residual rᵢ is the height of a mirror image above the quadric of
+its partner, the surface point nearest to it. The rest is the paper's estimator: ψ = −σ² log Σ wᵢ exp(−rᵢ²/2σ²),
+minimised by Riemannian BFGS on S² × R.
 """
 
 from typing import NamedTuple
@@ -24,36 +25,37 @@ from symjax.robust.covariance import clustered_covariance, mirror_clusters
 from symjax.robust.quadrics import Quadrics
 from symjax.robust.surface import Surface
 
-LEAST_SIZE = 2048
-"""Residuals are padded to this number or the next power of two, so that few sizes are compiled."""
+MIN_SIZE = 2048
+"""Correspondences are padded to this number or to the next power of two, so that few sizes are compiled."""
 
 ROUNDS = 5
-"""Searches for partners, each followed by a solve with the σ of the last residuals."""
+"""Number of rounds. Each finds the partners anew and solves with the σ that follows from the last residuals."""
 
-LEAST_SIGMA = 0.02
-"""Least scale of the residual in spacings. Quadrics of flat and round parts fit far better than this, but the other
-parts fix the plane of an object that is mostly round, and they must not count as outliers."""
+MIN_SIGMA = 0.02
+"""Minimum σ, in spacings. The residuals of flat and round parts are far smaller than this. The plane of a mostly round
+object is determined by its other parts, and these must not count as outliers."""
 
 SIGMA_FACTOR = 2.0
-"""σ over the residuals' own scale: L2E then loses little of the efficiency of least squares."""
+"""Ratio of σ to the standard deviation of the residuals. L2E then loses little of the efficiency of least squares."""
 
 CLUSTER_SIDE = 3.0
-"""Side of the cells that share their errors, in reaches of a quadric: neighbouring residuals, and those of the two
-directions of a pair, have points in common and are no independent evidence."""
+"""Side of the cells whose residuals form a cluster, in radii of a quadric. Neighbouring residuals, and the two
+residuals of a pair, have points in common and are not independent."""
 
 INFLATION = 1.4
-"""Variance over what the sandwich gives: it is made for fixed pairs, and partners change as the plane moves. Chosen on
-generated noisy clouds; `experiments.run coverage` prints the share of regions that hold the true plane with it."""
+"""Factor on the variance of the sandwich formula, which assumes fixed pairs, whereas the partners change as the plane
+moves. Chosen on generated noisy clouds; `experiments.run coverage` prints the share of confidence regions that contain
+the true plane."""
 
 
-class Residuals(NamedTuple):
-    """Mirror images and the quadrics that they should lie on.
+class Correspondences(NamedTuple):
+    """What the residuals are computed from: points, and the quadrics of their partners.
 
     Attributes:
-        x: the points that are mirrored.
-        frames: frame of each one's quadric.
-        coefficients: its coefficients.
-        weight: how much each counts; 0 in padding.
+        x: the points that are reflected.
+        frames: frames of the partners' quadrics.
+        coefficients: coefficients of the partners' quadrics.
+        weight: weights of the residuals; 0 in the padding.
     """
 
     x: Float[Array, "m 3"]
@@ -67,9 +69,9 @@ class Refinement(NamedTuple):
 
     Attributes:
         plane: the plane.
-        uncertainty: of the plane, about the origin.
-        sigma: scale of the residual.
-        converged: whether the last solve converged.
+        uncertainty: uncertainty of the plane, about the origin.
+        sigma: scale σ of the residuals in the last round.
+        converged: whether the solver converged in the last round.
         message: how it ended, as a sentence.
     """
 
@@ -80,11 +82,11 @@ class Refinement(NamedTuple):
     message: str
 
 
-def heights(z: Float[Array, " 4"], data: Residuals) -> Float[Array, " m"]:
-    """Heights of the mirror images above the quadrics at the plane z = (v, ω).
+def heights(z: Float[Array, " 4"], data: Correspondences) -> Float[Array, " m"]:
+    """Returns the residuals for the plane z = (v, ω): the heights of the mirror images above the quadrics.
 
-    Column by column: with `Plane.reflect` and `Similarity.points`, whose results are stacked, a solve takes 2.5 times
-    as long on a CPU.
+    It works column by column: with `Plane.reflect` and `Similarity.points`, which stack their results, a solve takes
+    2.5 times as long on a CPU.
     """
     v, omega = z[:3], z[3]
     x = data.x
@@ -93,72 +95,84 @@ def heights(z: Float[Array, " 4"], data: Residuals) -> Float[Array, " m"]:
     axes, shift = jnp.asarray(data.frames.rotation), jnp.asarray(data.frames.shift)
     u, w, height = (sum(image[k] * axes[:, i, k] for k in range(3)) + shift[:, i] for i in range(3))
     c = [data.coefficients[:, k] for k in range(6)]
-    return height - (c[0] + c[1] * u + c[2] * w + c[3] * u * u + c[4] * u * w + c[5] * w * w)
+    residual: Float[Array, " m"] = height - (c[0] + c[1] * u + c[2] * w + c[3] * u * u + c[4] * u * w + c[5] * w * w)
+    return residual
 
 
-def _psi(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> Float[Array, ""]:
+def _psi(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Correspondences) -> Float[Array, ""]:
+    """Returns the L2E criterion ψ for the plane z = (v, ω)."""
     kernel = jnp.sum(data.weight * jnp.exp(-0.5 * (heights(z, data) / sigma) ** 2))
     return -(sigma**2) * jnp.log(kernel / jnp.sum(data.weight) + 1e-300)
 
 
 @jax.jit
-def _solve(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Residuals) -> tuple[Minimum, Float[Array, " m"]]:
+def _solve(z: Float[Array, " 4"], sigma: Float[Array, ""], data: Correspondences) -> tuple[Minimum, Float[Array, " m"]]:
     tol = 1e-4 * sigma
     minimum = minimise(lambda z: _psi(z, sigma, data), z, manifold=SPHERE_LINE, max_steps=50, tol=tol)
     return minimum, heights(minimum.point, data)
 
 
 @jax.jit
-def _slopes(z: Float[Array, " 4"], data: Residuals) -> Float[Array, "m 3"]:
-    """Derivative of every height in the tangent chart at z."""
+def _jacobian(z: Float[Array, " 4"], data: Correspondences) -> Float[Array, "m 3"]:
+    """Returns the derivative of each residual with respect to two turns of the normal and the offset."""
     basis = SPHERE_LINE.basis(z)
-    return jax.jacfwd(lambda t: heights(SPHERE_LINE.retract(z, basis @ t), data))(jnp.zeros(3, z.dtype))
+    derivative = jax.jacfwd(lambda t: heights(SPHERE_LINE.retract(z, basis @ t), data))
+    jacobian: Float[Array, "m 3"] = derivative(jnp.zeros(3, z.dtype))
+    return jacobian
 
 
 def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
-    """Moves a plane to the optimum of the point-to-surface L2E criterion; every round finds the partners anew.
+    """Moves a plane to the optimum of the L2E criterion of point-to-surface residuals.
 
     Args:
-        plane: a plane within the reach of the surface's tolerance.
-        surface: the cloud.
-        quadrics: of the surface.
+        plane: a plane that reflects the cloud to within about the surface's tolerance.
+        surface: the surface.
+        quadrics: the quadrics of the surface.
+
+    Returns:
+        The refined plane with its standard errors.
     """
     z = np.append(plane.normal, plane.offset)
     sigma = 2 * surface.tolerance
     with jax.enable_x64(True):
         for _ in range(ROUNDS):
-            data, weight = _paired(z, surface, quadrics)
+            data, weight = _correspondences(z, surface, quadrics)
             solution, residual = _solve(jnp.asarray(z), jnp.asarray(sigma), data)
             z, residual = np.asarray(solution.point), np.asarray(residual)[: len(weight)]
-            last, sigma = sigma, min(sigma, max(_scale(residual, weight, sigma), LEAST_SIGMA * surface.spacing))
+            last_sigma = sigma
+            sigma = min(sigma, max(_next_sigma(residual, weight, sigma), MIN_SIGMA * surface.spacing))
         flat = data._replace(coefficients=jnp.zeros_like(data.coefficients))
-        slopes, mean_slopes = (np.asarray(_slopes(jnp.asarray(z), of))[: len(weight)] for of in (data, flat))
+        jacobian, flat_jacobian = (np.asarray(_jacobian(jnp.asarray(z), of))[: len(weight)] for of in (data, flat))
         basis = np.asarray(SPHERE_LINE.basis(jnp.asarray(z)))
         status = Status(int(solution.status))
     refined = Plane(z[:3], z[3])
-    kernel = weight * np.exp(-0.5 * (residual / last) ** 2)
-    covariance = clustered_covariance(
-        (kernel * residual)[:, None] * slopes,
-        # a quadric's slope is noisy, and changes as the plane moves on to other partners: the normal's is the mean
-        (kernel * (1 - (residual / last) ** 2))[:, None, None] * mean_slopes[:, :, None] * mean_slopes[:, None],
-        mirror_clusters(refined, surface.points, CLUSTER_SIDE * float(np.median(quadrics.reach))),
-    )
+    kernel = weight * np.exp(-0.5 * (residual / last_sigma) ** 2)
+    gradients = (kernel * residual)[:, None] * jacobian
+    # The slope of a quadric is noisy and changes with the partner as the plane moves. The slope of the tangent plane is
+    # its mean, and so gives the expected Hessian.
+    curvature = kernel * (1 - (residual / last_sigma) ** 2)
+    hessians = curvature[:, None, None] * flat_jacobian[:, :, None] * flat_jacobian[:, None]
+    clusters = mirror_clusters(refined, surface.points, CLUSTER_SIDE * float(np.median(quadrics.radius)))
+    covariance = clustered_covariance(gradients, hessians, clusters)
     uncertainty = Uncertainty(INFLATION * covariance, basis[:3, :2].T, np.zeros(3))
-    return Refinement(refined, uncertainty, last, status == Status.SUCCESSFUL, status.sentence)
+    return Refinement(refined, uncertainty, last_sigma, status == Status.SUCCESSFUL, status.sentence)
 
 
-def _paired(
+def _correspondences(
     z: Float[np.ndarray, " 4"], surface: Surface, quadrics: Quadrics
-) -> tuple[Residuals, Float[np.ndarray, " n"]]:
-    """Every point with its partner's quadric, and its weight: 0 if the partner is far or faces another way."""
+) -> tuple[Correspondences, Float[np.ndarray, " n"]]:
+    """Finds the partner of every point; returns the residuals, padded, and the weights without the padding.
+
+    The weight is 0 if the partner is far or on the boundary, and low if its normal disagrees.
+    """
     plane = Plane(z[:3], z[3])
     height = np.asarray(plane.signed_distance(surface.points))
     distance, partner = surface.tree.query(np.asarray(plane.reflect(surface.points)), workers=-1)
-    facing = np.asarray(plane.reflect_directions(surface.normals))
-    cosine = np.abs((facing * surface.normals[partner]).sum(axis=1))
+    reflected = np.asarray(plane.reflect_directions(surface.normals))
+    cosine = np.abs((reflected * surface.normals[partner]).sum(axis=1))
     weight = cosine**2
     weight *= 1 - np.exp(-2 * (height / surface.spacing) ** 2)
-    weight *= (distance < quadrics.reach[partner]) & ~surface.boundary[partner]
+    weight *= (distance < quadrics.radius[partner]) & ~surface.boundary[partner]
     return _padded(surface.points, quadrics.frames_of(partner), quadrics.coefficients[partner], weight), weight
 
 
@@ -167,18 +181,19 @@ def _padded(
     frames: Similarity,
     coefficients: Float[np.ndarray, "n 6"],
     weight: Float[np.ndarray, " n"],
-) -> Residuals:
-    extra = padded_size(len(x), LEAST_SIZE) - len(x)
+) -> Correspondences:
+    """Pads every array with zeros, so that few sizes are compiled."""
+    extra = padded_size(len(x), MIN_SIZE) - len(x)
 
     def padded(column: Float[np.ndarray, "n ..."]) -> Float[Array, "m ..."]:
         return jnp.asarray(np.pad(column, ((0, extra), *[(0, 0)] * (column.ndim - 1))))
 
     rotation, shift = padded(np.asarray(frames.rotation)), padded(np.asarray(frames.shift))
-    return Residuals(padded(x), Similarity(1.0, rotation, shift), padded(coefficients), padded(weight))
+    return Correspondences(padded(x), Similarity(1.0, rotation, shift), padded(coefficients), padded(weight))
 
 
-def _scale(residual: Float[np.ndarray, " n"], weight: Float[np.ndarray, " n"], sigma: float) -> float:
-    """σ for the next round: a multiple of the residuals' median size, without the outliers."""
+def _next_sigma(residual: Float[np.ndarray, " n"], weight: Float[np.ndarray, " n"], sigma: float) -> float:
+    """Returns σ for the next round: SIGMA_FACTOR times the robust standard deviation of the residuals below 3σ."""
     inlier = (weight > 0) & (np.abs(residual) < 3 * sigma)
     if not inlier.any():
         return sigma

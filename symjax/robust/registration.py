@@ -1,9 +1,11 @@
-"""L2E with refreshed correspondences: planes move until the mirrored cloud lies on the cloud.
+"""Registration: moves planes until the reflected cloud lies on the cloud, with partners from the voxel grid.
 
-The partner of a point is the surface point nearest to its mirror image, looked up in a voxel grid. The residual is the
-mirror image's distance from the partner's tangent plane (and a share of its distance from the partner). Every step is a
-Gauss-Newton step of the squares reweighted by the L2E weight exp(−‖r‖²/2σ²), which is the minorise-maximise step of the
-L2E criterion, and σ goes down. Everything is in single precision, over a batch of planes, in fixed shapes.
+The partner of a point is the surface point nearest to its mirror image, as in ICP. The residual r is the distance of
+the mirror image from the partner's tangent plane, with a share of its distance from the partner itself. Every step is a
+Gauss-Newton step on the squares weighted by exp(−‖r‖²/2σ²): the majorise-minimise step of the L2E criterion. The
+partners are looked up anew before every step, and σ decreases.
+
+Everything runs in single precision over a batch of planes, in arrays of fixed shapes.
 """
 
 from functools import partial
@@ -18,25 +20,27 @@ from symjax.l2e.manifolds import tangent_basis
 from symjax.robust.voxel_grid import SIZE, VoxelGrid
 
 BATCH_SIZE = 64
-"""Planes computed at a time."""
+"""Planes that are computed at a time."""
 
-FAR = 1.0
-"""A point counts in full when its mirror image is several σ away from it: one on the plane agrees with any plane."""
+DISPLACEMENT_SCALE = 1.0
+"""Distance between a point and its mirror image, in units of σ, at which the weight of the point reaches 1 − exp(−½). A
+point on the plane is its own mirror image and agrees with every plane through it."""
 
 DAMPING = 1e-3
-"""Of the Gauss-Newton step, relative to the matrix: a flat direction is left alone."""
+"""Damping of the Gauss-Newton step, relative to the mean diagonal entry of its matrix. The plane does not move in a
+direction that the cloud does not determine."""
 
-LONGEST_TURN, LONGEST_SHIFT = 0.2, 0.1
-"""Limits of one step, in radians and in the unit of the points (the diagonal)."""
+MAX_TURN, MAX_SHIFT = 0.2, 0.1
+"""Limits of one step: of the normal in radians, and of the offset in diagonals."""
 
 
 class Probes(NamedTuple):
-    """Points that are mirrored.
+    """The points that are reflected.
 
     Attributes:
         x: the points.
-        normals: their normals.
-        weight: how much each counts.
+        normals: their surface normals.
+        weight: their weights.
     """
 
     x: Float[Array, "m 3"]
@@ -44,134 +48,151 @@ class Probes(NamedTuple):
     weight: Float[Array, " m"]
 
 
-def _dot(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n"]:
-    """Products of rows, component by component.
+class _Match(NamedTuple):
+    """Mirror images of the probes, compared with their partners."""
 
-    A sum over an axis of length 3 inside vmap is compiled wrongly by jaxlib 0.10 on some CPUs (the batch's last rows
-    differ from the same rows alone), and a matrix product would run in TF32 on a GPU.
+    height: Float[Array, " m"]  # of the point above the plane: v·x − ω
+    offset: Float[Array, "m 3"]  # of the mirror image from the partner
+    normal: Float[Array, "m 3"]  # of the partner
+    cosine: Float[Array, " m"]  # between the reflected normal and the partner's; 1 if normals are not used
+    penalty: Float[Array, " m"]  # non-match penalty
+
+
+def _dot(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n"]:
+    """Returns the scalar product of each pair of rows, component by component.
+
+    A sum over an axis of length 3 inside vmap is compiled wrongly by jaxlib 0.10 on some CPUs (the last rows of the
+    batch differ from the same rows alone), and a matrix product would run in TF32 on a GPU.
     """
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
-class _Mirrored(NamedTuple):
-    height: Float[Array, " m"]  # v·x − ω
-    offset: Float[Array, "m 3"]  # from the partner to the mirror image
-    normal: Float[Array, "m 3"]  # the partner's
-    cosine: Float[Array, " m"]  # of the two normals; 1 if they are not used
-    penalty: Float[Array, " m"]
-
-
-def _mirrored(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) -> _Mirrored:
+def _match(plane: Plane, probes: Probes, grid: VoxelGrid, use_normals: bool) -> _Match:
+    """Reflects the probes and looks up their partners."""
     v, omega = map(jnp.asarray, plane)
     height = _dot(probes.x, v[None, :]) - omega
     image = probes.x - 2 * height[:, None] * v[None, :]
-    at = jnp.clip(((image - grid.origin[None, :]) / grid.cell).astype(jnp.int32), 0, SIZE - 1)
-    index: Int[Array, " m"] = (at[:, 0] * SIZE + at[:, 1]) * SIZE + at[:, 2]
-    normal = grid.normal[index]
+    voxel = jnp.clip(((image - grid.origin[None, :]) / grid.cell).astype(jnp.int32), 0, SIZE - 1)
+    index: Int[Array, " m"] = (voxel[:, 0] * SIZE + voxel[:, 1]) * SIZE + voxel[:, 2]
+    normal = jnp.asarray(grid.normal)[index]
     cosine = jnp.ones_like(height)
     if use_normals:
         cosine = jnp.abs(_dot(probes.normals, normal) - 2 * _dot(probes.normals, v[None, :]) * _dot(normal, v[None, :]))
-    return _Mirrored(height, image - grid.point[index], normal, cosine, grid.penalty[index])
+    return _Match(height, image - grid.point[index], normal, cosine, jnp.asarray(grid.penalty)[index])
 
 
 def _weight_and_agreement(
-    sigma: Float[Array, ""], probes: Probes, m: _Mirrored
+    sigma: Float[Array, ""], probes: Probes, match: _Match
 ) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
-    """How much each point counts, and how well its mirror image agrees with the partner, 0 to 1."""
-    weight = probes.weight * (1 - jnp.exp(-2 * (m.height / (FAR * sigma)) ** 2))
-    return weight, jnp.exp(-_dot(m.offset, m.offset) / (2 * sigma**2)) * m.cosine**2
+    """Returns the weight of each probe, and the agreement of its mirror image with the partner, 0 to 1."""
+    weight = probes.weight * (1 - jnp.exp(-2 * (match.height / (DISPLACEMENT_SCALE * sigma)) ** 2))
+    return weight, jnp.exp(-_dot(match.offset, match.offset) / (2 * sigma**2)) * match.cosine**2
 
 
 @partial(jax.jit, static_argnames=("use_normals",))
 def grid_scores(
     planes: Plane, sigma: Float[Array, ""], probes: Probes, grid: VoxelGrid, *, use_normals: bool = True
 ) -> Float[Array, " p"]:
-    """Scores of planes, with the partners of the voxel grid (see `PlaneScore.score`).
+    """Computes approximate scores of planes, with partners from the voxel grid; see `scoring.PlaneScore.score`.
 
     Args:
-        planes: the planes.
-        sigma: distance from the partner that still agrees.
-        probes: points that are mirrored.
-        grid: around the surface.
-        use_normals: whether the normals must agree too.
+        planes: a batch of planes.
+        sigma: distance between a mirror image and its partner at which the agreement falls to exp(−½), in the units of
+            the points.
+        probes: the points that are reflected.
+        grid: the voxel grid around the surface.
+        use_normals: whether the agreement includes the normal direction.
     """
 
-    def one(plane: Plane) -> Float[Array, ""]:
-        m = _mirrored(plane, probes, grid, use_normals)
-        weight, agreement = _weight_and_agreement(sigma, probes, m)
+    def score(plane: Plane) -> Float[Array, ""]:
+        match = _match(plane, probes, grid, use_normals)
+        weight, agreement = _weight_and_agreement(sigma, probes, match)
         agreeing = jnp.sum(weight * agreement)
-        penalty = jnp.sum(weight * (1 - agreement) * m.penalty)
+        penalty = jnp.sum(weight * (1 - agreement) * match.penalty)
         return agreeing / (agreeing + penalty + 1e-6 * jnp.sum(probes.weight) + 1e-30)
 
-    return jax.lax.map(one, planes, batch_size=BATCH_SIZE)
+    scores: Float[Array, " p"] = jax.lax.map(score, planes, batch_size=BATCH_SIZE)
+    return scores
 
 
-@partial(jax.jit, static_argnames=("isotropic", "use_normals"))
+@partial(jax.jit, static_argnames=("point_share", "use_normals"))
 def register(
     planes: Plane,
     sigmas: Float[Array, " s"],
     probes: Probes,
     grid: VoxelGrid,
     *,
-    isotropic: float,
+    point_share: float,
     use_normals: bool = True,
 ) -> Plane:
-    """Moves every plane, one step for every σ.
+    """Registers planes: moves each of them by one step for every σ.
 
     Args:
-        planes: where to start.
-        sigmas: σ of every step, in the unit of the points.
-        probes: points whose mirror images are fitted.
-        grid: around the surface.
-        isotropic: share of the plain distance in the residual: it holds a plane that slides along a surface.
-        use_normals: whether the weight falls where the normals do not agree.
+        planes: a batch of planes to start from.
+        sigmas: scale σ of the residual in each step, in the units of the points.
+        probes: the points that are reflected.
+        grid: the voxel grid around the surface.
+        point_share: weight of the squared point-to-point distance beside the squared point-to-plane distance. It keeps
+            a plane from drifting where the surface can slide along itself.
+        use_normals: whether a pair weighs less if its normals disagree.
+
+    Returns:
+        The moved planes.
     """
 
-    def one(plane: Plane) -> Plane:
+    def move(plane: Plane) -> Plane:
         def step(plane: Plane, sigma: Float[Array, ""]) -> tuple[Plane, None]:
-            m = _mirrored(plane, probes, grid, use_normals)
-            return _step(plane, sigma, probes, m, isotropic), None
+            match = _match(plane, probes, grid, use_normals)
+            return _gauss_newton_step(plane, sigma, probes, match, point_share), None
 
         return jax.lax.scan(step, plane, sigmas)[0]
 
-    return jax.lax.map(one, planes, batch_size=BATCH_SIZE)
+    moved: Plane = jax.lax.map(move, planes, batch_size=BATCH_SIZE)
+    return moved
 
 
-def _step(plane: Plane, sigma: Float[Array, ""], probes: Probes, m: _Mirrored, isotropic: float) -> Plane:
+def _gauss_newton_step(
+    plane: Plane, sigma: Float[Array, ""], probes: Probes, match: _Match, point_share: float
+) -> Plane:
+    """Moves a plane by one damped step in three unknowns: two turns of the normal, and the offset."""
     v, omega = map(jnp.asarray, plane)
-    weight, agreement = _weight_and_agreement(sigma, probes, m)
+    weight, agreement = _weight_and_agreement(sigma, probes, match)
     weight = weight * agreement
-    along = _dot(m.normal, v[None, :])
-    residual = _dot(m.normal, m.offset)
-    # derivative of the residual n·(x − 2(v·x − ω)v − y) in v (a vector a row) and in ω
-    slope = -2 * (along[:, None] * probes.x + m.height[:, None] * m.normal)
     basis = tangent_basis(v)
+
+    # point-to-plane: derivative of r = n·(x − 2(v·x − ω)v − y) with respect to v (one vector a row) and ω
+    along = _dot(match.normal, v[None, :])
+    residual = _dot(match.normal, match.offset)
+    slope = -2 * (along[:, None] * probes.x + match.height[:, None] * match.normal)
     jacobian = [_dot(slope, basis[None, :, 0]), _dot(slope, basis[None, :, 1]), 2 * along]
-    # of the plain distance: the image moves by −2(δ·x − δω)v − 2(v·x − ω)δ
-    swing = [_dot(probes.x, basis[None, :, 0]), _dot(probes.x, basis[None, :, 1]), -jnp.ones_like(m.height)]
-    across, off = _dot(m.offset, v[None, :]), [_dot(m.offset, basis[None, :, k]) for k in range(2)]
-    lever = [m.height * off[0], m.height * off[1], jnp.zeros_like(m.height)]
 
-    def entry(i: int, j: int) -> Float[Array, ""]:
-        square = swing[i] * swing[j] + (m.height**2 if i == j < 2 else 0)
-        return jnp.sum(weight * (jacobian[i] * jacobian[j] + 4 * isotropic * square))
+    # point-to-point: the mirror image moves by −2(δv·x − δω)v − 2(v·x − ω)δv
+    swing = [_dot(probes.x, basis[None, :, 0]), _dot(probes.x, basis[None, :, 1]), -jnp.ones_like(match.height)]
+    across, off = _dot(match.offset, v[None, :]), [_dot(match.offset, basis[None, :, k]) for k in range(2)]
+    lever = [match.height * off[0], match.height * off[1], jnp.zeros_like(match.height)]
 
-    def slope_entry(i: int) -> Float[Array, ""]:
-        return jnp.sum(weight * (jacobian[i] * residual - 2 * isotropic * (swing[i] * across + lever[i])))
+    def hessian(i: int, j: int) -> Float[Array, ""]:
+        square = swing[i] * swing[j] + (match.height**2 if i == j < 2 else 0)
+        return jnp.sum(weight * (jacobian[i] * jacobian[j] + 4 * point_share * square))
 
-    turn_1, turn_2, shift = _solve(
-        [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)],
-        [slope_entry(0), slope_entry(1), slope_entry(2)],
+    def gradient(i: int) -> Float[Array, ""]:
+        return jnp.sum(weight * (jacobian[i] * residual - 2 * point_share * (swing[i] * across + lever[i])))
+
+    turn_1, turn_2, shift = _solve_damped(
+        [hessian(0, 0), hessian(0, 1), hessian(0, 2), hessian(1, 1), hessian(1, 2), hessian(2, 2)],
+        [gradient(0), gradient(1), gradient(2)],
     )
     turn = jnp.sqrt(turn_1**2 + turn_2**2)
-    scale = jnp.minimum(1, LONGEST_TURN / jnp.maximum(turn, 1e-12))
+    scale = jnp.minimum(1, MAX_TURN / jnp.maximum(turn, 1e-12))
     moved = v - scale * (turn_1 * basis[:, 0] + turn_2 * basis[:, 1])
     moved = moved / jnp.sqrt(_dot(moved, moved))
-    return Plane(moved, omega - jnp.clip(shift, -LONGEST_SHIFT, LONGEST_SHIFT))
+    return Plane(moved, omega - jnp.clip(shift, -MAX_SHIFT, MAX_SHIFT))
 
 
-def _solve(matrix: list[Array], vector: list[Array]) -> tuple[Array, Array, Array]:
-    """The solution of a damped symmetric 3 × 3 system by Cramer's rule, its upper triangle given row by row."""
+def _solve_damped(
+    matrix: list[Float[Array, ""]], vector: list[Float[Array, ""]]
+) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    """Solves a damped symmetric 3 × 3 system by Cramer's rule; the matrix is its upper triangle, row by row."""
     a, b, c, d, e, f = matrix
     damping = DAMPING * (a + d + f) / 3 + 1e-12
     a, d, f = a + damping, d + damping, f + damping

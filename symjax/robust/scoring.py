@@ -1,8 +1,8 @@
-"""The score of a plane on the cloud itself: every mirror image is compared with its exact nearest neighbour.
+"""Scoring: how well the reflected cloud matches the cloud, with exact nearest neighbours.
 
-A point whose mirror image lies on the surface and has the surface's normal agrees with the plane. A point whose image
-lies where a scan would have seen a surface counts against the plane; one whose image falls where nothing was scanned
-hardly counts.
+The partner of a point is the surface point nearest to its mirror image. A point supports the plane if its mirror image
+agrees with the partner in place and in normal direction. Otherwise it counts against the plane, by the non-match
+penalty of the mirror image: fully where a scan would have seen a surface, hardly at all where nothing was scanned.
 """
 
 from typing import NamedTuple
@@ -15,28 +15,30 @@ from symjax.robust.quadrics import Quadrics
 from symjax.robust.surface import Surface
 from symjax.robust.voxel_grid import VoxelGrid, penalty_at
 
-TOLERANCES = 1.4
-"""Scale of the height above the partner's tangent plane in the surface's tolerances."""
+HEIGHT_SCALE = 1.4
+"""Height of a mirror image above its partner's tangent plane at which the agreement falls to exp(−½), in tolerances of
+the surface."""
 
 SLACK = 2.0
-"""Distance along the tangent plane in spacings that a random sample explains."""
+"""Distance along the tangent plane, in spacings, that does not reduce the agreement: random sampling explains it."""
 
-EXACT, LEAST_SCATTER = 2.0, 1e-5
-"""Standard deviations of the surface's own scatter (at least LEAST_SCATTER diagonals) within which an image fits
-exactly."""
+EXACT_HEIGHT, MIN_SCATTER = 2.0, 1e-5
+"""A mirror image matches exactly if its height above the partner's quadric is less than EXACT_HEIGHT standard
+deviations of the surface's own scatter, which counts as at least MIN_SCATTER diagonals."""
 
-FAR = 2.0
-"""Distance of a mirror image from its point in spacings at which it counts: one on the plane agrees with any plane."""
+DISPLACEMENT_SCALE = 2.0
+"""Distance between a point and its mirror image, in spacings, at which the weight of the point reaches 1 − exp(−½). A
+point on the plane is its own mirror image and agrees with every plane through it."""
 
 
 class PlaneScore(NamedTuple):
-    """How some points of a surface agree with a plane.
+    """How well points of a surface agree with a plane.
 
     Attributes:
         partner: row of the surface point nearest to each mirror image.
-        agreement: how well the image agrees with its partner in place and normal, 0 to 1.
-        weight: how much each point counts.
-        penalty: non-match penalty, 0 to 1: how much a point counts against the plane where its image does not agree.
+        agreement: how well each mirror image agrees with its partner in place and normal direction, 0 to 1.
+        weight: weight of each point.
+        penalty: non-match penalty of each mirror image, 0 to 1.
     """
 
     partner: Int[np.ndarray, " m"]
@@ -46,11 +48,11 @@ class PlaneScore(NamedTuple):
 
     @property
     def score(self) -> float:
-        """The sum of the agreement over the sum of agreement and non-match penalty, weighted; 0 to 1."""
+        """The score Σwa / (Σwa + Σw(1 − a)p), 0 to 1, of weights w, agreements a and non-match penalties p."""
         return self.score_of(self.agreement)
 
     def score_of(self, agreement: Float[np.ndarray, " m"]) -> float:
-        """The score for another agreement of the same points."""
+        """Returns the score that the same points have with another agreement."""
         agreeing = float((self.weight * agreement).sum())
         return agreeing / (agreeing + float((self.weight * (1 - agreement) * self.penalty).sum()) + 1e-12)
 
@@ -63,14 +65,17 @@ def score_plane(
     *,
     use_normals: bool = True,
 ) -> PlaneScore:
-    """Reflects the selected points and scores how well they fit the surface.
+    """Reflects points of a surface in a plane and scores how well they match the surface.
 
     Args:
         plane: the plane.
-        surface: in units of its diagonal.
-        grid: around it; it holds the non-match penalty.
-        rows: the points that are mirrored.
-        use_normals: whether the normals must agree too.
+        surface: the surface, in units of its diagonal.
+        grid: the voxel grid around it, which holds the non-match penalty.
+        rows: the points that are reflected.
+        use_normals: whether the agreement includes the normal direction.
+
+    Returns:
+        The score, with the agreement of every reflected point.
     """
     points = surface.points[rows]
     height, image = np.asarray(plane.signed_distance(points)), np.asarray(plane.reflect(points))
@@ -78,28 +83,28 @@ def score_plane(
     normals = surface.normals[partner]
     above = ((image - surface.points[partner]) * normals).sum(axis=1)
     along = np.sqrt(np.maximum(distance**2 - above**2, 0.0))
-    off = (above / (TOLERANCES * surface.tolerance)) ** 2
-    off += (np.maximum(along - SLACK * surface.spacing, 0.0) / surface.spacing) ** 2
-    agreement = np.exp(-0.5 * off)
+    squared = (above / (HEIGHT_SCALE * surface.tolerance)) ** 2
+    squared += (np.maximum(along - SLACK * surface.spacing, 0.0) / surface.spacing) ** 2
+    agreement = np.exp(-0.5 * squared)
     if use_normals:
-        mirrored = np.asarray(plane.reflect_directions(surface.normals[rows]))
-        agreement = agreement * (mirrored * normals).sum(axis=1) ** 2
-    weight = surface.confidence[rows] * (1 - np.exp(-2 * (height / (FAR * surface.spacing)) ** 2))
+        reflected = np.asarray(plane.reflect_directions(surface.normals[rows]))
+        agreement = agreement * (reflected * normals).sum(axis=1) ** 2
+    weight = surface.confidence[rows] * (1 - np.exp(-2 * (height / (DISPLACEMENT_SCALE * surface.spacing)) ** 2))
     return PlaneScore(partner, agreement, weight, penalty_at(grid, image))
 
 
 def exactness(plane: Plane, surface: Surface, scored: PlaneScore, quadrics: Quadrics) -> float:
-    """The score if only images agree that lie as close to the surface as its own points do.
+    """Returns the exactness: the score if only mirror images agree that lie as close to the surface as its own points.
 
-    Measured: from about 0.5 to 1 where the symmetry is exact; where there is none, below 0.5 on clean clouds and below
-    0.65 on noisy ones.
+    Measured: about 0.5 to 1 for an exact symmetry; without a symmetry, below 0.5 on clean clouds and below 0.65 on
+    noisy ones.
 
     Args:
         plane: the plane.
-        surface: the cloud.
-        scored: the plane's score on all points of the surface.
-        quadrics: of the surface.
+        surface: the surface, in units of its diagonal.
+        scored: score of the plane on all points of the surface.
+        quadrics: the quadrics of the surface.
     """
     image = np.asarray(plane.reflect(surface.points))
-    near = np.abs(quadrics.heights(image, scored.partner)) < EXACT * max(quadrics.scatter, LEAST_SCATTER)
-    return scored.score_of(near.astype(float))
+    exact = np.abs(quadrics.heights(image, scored.partner)) < EXACT_HEIGHT * max(quadrics.scatter, MIN_SCATTER)
+    return scored.score_of(exact.astype(float))

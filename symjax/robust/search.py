@@ -1,4 +1,4 @@
-"""From a surface to its candidate planes: hypotheses are ranked, registered, and scored."""
+"""Search: from hypotheses to candidates. It ranks all hypotheses, registers the best, and scores what they become."""
 
 from typing import NamedTuple
 
@@ -10,50 +10,50 @@ from jaxtyping import Float, Int
 from symjax.geometry.plane import Plane
 from symjax.method.result import Candidate
 from symjax.robust import registration
-from symjax.robust.distinct import distinct
+from symjax.robust.duplicates import drop_duplicates
 from symjax.robust.hypotheses import hypotheses
 from symjax.robust.registration import Probes
 from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
 from symjax.robust.voxel_grid import VoxelGrid
 
-CHUNK = 1024
-"""Hypotheses are ranked in chunks of this size, whatever their number, so that one size is compiled."""
+CHUNK_SIZE = 1024
+"""Hypotheses are scored in chunks of this size, so that one size is compiled whatever their number."""
 
 
 class Round(NamedTuple):
-    """One round of the search: the best planes of the last round are registered and scored.
+    """Settings of one round of the search, which registers and scores the best planes of the previous round.
 
     Attributes:
-        num_probes: points that are mirrored.
-        kept: planes that are registered.
-        sigmas: σ of every step of the registration, in diagonals.
-        isotropic: see `register`.
-        scoring_sigma: σ of the scores afterwards.
+        num_probes: points that are reflected.
+        num_planes: planes that are registered.
+        sigmas: σ of each step of the registration, in diagonals.
+        point_share: see `registration.register`.
+        scoring_sigma: σ of the scores after the registration, in diagonals.
     """
 
     num_probes: int
-    kept: int
+    num_planes: int
     sigmas: tuple[float, ...]
-    isotropic: float
+    point_share: float
     scoring_sigma: float
 
 
 RANKING_SIGMA = 0.04
-"""σ of the scores by which hypotheses are ranked, in diagonals: the distance of their offsets."""
+"""σ of the scores that rank the hypotheses, in diagonals: the distance between their offsets."""
 
 ROUNDS = (
     Round(256, 512, (0.05,) * 2 + (0.04,) * 2 + (0.03,) * 4, 0.3, 0.025),
     Round(1024, 64, (0.03,) * 6 + (0.02,) * 6 + (0.015,) * 12, 0.05, 0.015),
 )
-"""Many planes on few points, then few planes on many. The true plane was among those kept on all of 312 clouds, whole,
-cut, noisy or with outliers, and on 0.92 of 39 scans from one side."""
+"""The first round registers many planes with few points, the second few planes with many. The true plane was among the
+planes kept on all of 312 clouds (whole, cut, noisy or with outliers), and on 0.92 of 39 scans from one side."""
 
 NUM_CANDIDATES = 24
-"""Candidates that are scored with exact neighbours."""
+"""Maximum number of candidates."""
 
 NUM_SCORED_POINTS = 1000
-"""Points that are enough to score them on."""
+"""Points on which the candidates are scored with exact neighbours. They are enough to order the candidates."""
 
 
 def candidates(
@@ -67,36 +67,40 @@ def candidates(
     exact_scoring: bool = True,
     use_normals: bool = True,
 ) -> tuple[Candidate, ...]:
-    """Distinct candidate planes, the best first.
+    """Finds the candidates: distinct planes that reflect the cloud onto itself best.
 
     Args:
-        surface: in units of its diagonal.
-        grid: around it.
-        rng: draws pairs of points, and the points that are mirrored.
-        num_pairs: see `hypotheses`.
-        prior: a plane to begin with, beside all others.
-        register: whether the hypotheses are registered; if not, they are only scored and the best ones kept.
-        exact_scoring: whether the candidates are scored with exact neighbours; if not, they keep their scores by
-            the grid.
-        use_normals: whether normals must agree in registration and scores.
+        surface: the surface, in units of its diagonal.
+        grid: the voxel grid around it.
+        rng: random generator that draws pairs of points, and the points that are reflected.
+        num_pairs: maximum number of hypotheses from pairs of points.
+        prior: an additional hypothesis.
+        register: whether the hypotheses are registered; otherwise they are only scored, and the best are kept.
+        exact_scoring: whether the candidates are scored with exact neighbours; otherwise their scores are those of the
+            voxel grid.
+        use_normals: whether the agreement includes the normal direction, in the registration and the scores.
+
+    Returns:
+        At most NUM_CANDIDATES candidates, the best first.
     """
     planes = hypotheses(surface, rng, num_pairs=num_pairs)
     if prior is not None:
         planes = Plane(np.vstack([prior.normal, planes.normal]), np.append(prior.offset, planes.offset))
     order = rng.permutation(len(surface.points))
-    on_device = jax.device_put(grid)
-    score = _grid_scores(planes, RANKING_SIGMA, _probes(surface, order, ROUNDS[0].num_probes), on_device, use_normals)
+    device_grid = jax.device_put(grid)
+    probes = _probes(surface, order, ROUNDS[0].num_probes)
+    score = _grid_scores(planes, RANKING_SIGMA, probes, device_grid, use_normals)
     for stage in ROUNDS:
         probes = _probes(surface, order, stage.num_probes)
         best = np.argsort(-score, kind="stable")
-        best = best[: stage.kept] if stage is ROUNDS[0] else distinct(planes, best, stage.kept)
-        # if there are fewer, some are computed twice: in fixed shapes, few sizes are compiled
-        best = np.resize(best, stage.kept)
+        best = best[: stage.num_planes] if stage is ROUNDS[0] else drop_duplicates(planes, best, stage.num_planes)
+        # if there are fewer planes, some are repeated: with fixed shapes, few sizes are compiled
+        best = np.resize(best, stage.num_planes)
         planes = Plane(planes.normal[best], planes.offset[best])
         if register:
-            planes = _registered(planes, stage, probes, on_device, use_normals)
-        score = _grid_scores(planes, stage.scoring_sigma, probes, on_device, use_normals)
-    kept = distinct(planes, np.argsort(-score, kind="stable"), NUM_CANDIDATES)
+            planes = _registered(planes, stage, probes, device_grid, use_normals)
+        score = _grid_scores(planes, stage.scoring_sigma, probes, device_grid, use_normals)
+    kept = drop_duplicates(planes, np.argsort(-score, kind="stable"), NUM_CANDIDATES)
     found = [Plane(planes.normal[i], planes.offset[i]) for i in kept]
     scores = score[kept].tolist()
     if exact_scoring:
@@ -107,14 +111,15 @@ def candidates(
 
 
 def _registered(planes: Plane, stage: Round, probes: Probes, grid: VoxelGrid, use_normals: bool) -> Plane:
+    """Registers planes in single precision and returns them in double precision."""
     batch, sigmas = _as_batch(planes, slice(None)), np.array(stage.sigmas, np.float32)
-    moved = registration.register(batch, sigmas, probes, grid, isotropic=stage.isotropic, use_normals=use_normals)
+    moved = registration.register(batch, sigmas, probes, grid, point_share=stage.point_share, use_normals=use_normals)
     normal, offset = (np.asarray(column, dtype=float) for column in moved)
     return Plane(normal / np.linalg.norm(normal, axis=1, keepdims=True), offset)
 
 
 def _probes(surface: Surface, order: Int[np.ndarray, " n"], count: int) -> Probes:
-    """The first points of an order; of a small cloud some twice, so that the shape is the same."""
+    """Returns the first `count` points in an order; repeats points of a smaller cloud, so that the shape is fixed."""
     rows = np.resize(order, count)
     weight = surface.confidence[rows] / surface.confidence[rows].mean()
     columns = (surface.points[rows], surface.normals[rows], weight)
@@ -122,14 +127,16 @@ def _probes(surface: Surface, order: Int[np.ndarray, " n"], count: int) -> Probe
 
 
 def _as_batch(planes: Plane, rows: Int[np.ndarray, " r"] | slice) -> Plane:
+    """Returns some of the planes as JAX arrays in single precision."""
     return Plane(*(jnp.asarray(column[rows].astype(np.float32)) for column in planes))
 
 
 def _grid_scores(
     planes: Plane, sigma: float, probes: Probes, grid: VoxelGrid, use_normals: bool
 ) -> Float[np.ndarray, " p"]:
+    """Returns the scores of planes by the voxel grid; the last chunk repeats planes to fill up."""
     count = len(planes.offset)
-    size = min(count, CHUNK)
+    size = min(count, CHUNK_SIZE)
     chunks = np.resize(np.arange(count), (-(-count // size), size))
     scores = [
         registration.grid_scores(_as_batch(planes, rows), np.float32(sigma), probes, grid, use_normals=use_normals)

@@ -1,4 +1,4 @@
-"""The surface that a cloud samples: its normals, the confidence in every point, and its boundary."""
+"""Surface: the surface that a cloud samples, with its normals, the confidence in every point, and its boundary."""
 
 from typing import NamedTuple
 
@@ -7,26 +7,27 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
 NUM_NEIGHBOURS = 32
-"""Neighbours that are used: fewer than 32 cannot tell the boundary of a surface from a gap in a random sample."""
+"""Neighbours of a point for the boundary test. With fewer, a gap in a random sample looks like a boundary."""
 
-FINE, COARSE = 16, NUM_NEIGHBOURS
-"""Neighbours that a normal is taken from: more where noise, not curvature, thickens the surface."""
+CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS = 16, NUM_NEIGHBOURS
+"""Neighbours from which a normal is estimated. A noisy surface needs more."""
 
-NOISY = 0.25
-"""Thickness in spacings beyond which a surface may be noisy."""
+NOISY_THICKNESS = 0.25
+"""Thickness in spacings above which a surface may be noisy. A thinner one counts as clean."""
 
-GROWTH = 1.5
-"""Noise thickens a larger neighbourhood hardly more than a small one (measured 1.0 to 1.3), curvature in proportion to
-its area (2)."""
+NOISE_GROWTH = 1.5
+"""A thick surface is noisy if its thickness grows by less than this factor from 16 to 32 neighbours. Noise makes it
+grow by a factor of 1.0 to 1.3 (measured); curvature by 2, in proportion to the area of the neighbourhood."""
 
-BOUNDARY = 0.3
-"""Distance of a point from the mean of its neighbours, in radii of the neighbourhood, beyond which the point lies on
-the boundary: 0.42 at a straight edge, 0 inside, and 0.1 of scatter."""
+BOUNDARY_SHIFT = 0.3
+"""A point lies on the boundary if its distance from the mean of its neighbours exceeds this share of the
+neighbourhood's radius. The expected share is 0.42 at a straight edge and 0 inside, with a scatter of 0.1."""
 
 CONFIDENCE_NEIGHBOURS = 8
+"""Neighbours whose tangent planes a point is compared with."""
 
 FLAT = 1e-6
-"""Ratio of singular values below which a cloud is a flat sheet."""
+"""Ratio of the smallest to the largest singular value of the points below which a cloud is flat."""
 
 
 class Surface(NamedTuple):
@@ -34,14 +35,14 @@ class Surface(NamedTuple):
 
     Attributes:
         points: the points.
-        normals: unit normals of either orientation.
-        confidence: how well a point agrees with its neighbours' tangent planes and normals, 0 to 1: its mirror image
-            cannot agree better. That of an outlier is almost 0.
-        boundary: whether the surface ends at a point.
-        spacing: side of the square that one point has to itself, on the median.
-        thickness: standard deviation of the points about their neighbours' planes, on the median.
-        noisy: whether that is noise, not curvature.
-        tree: of the points.
+        normals: their unit normals, of either orientation.
+        confidence: how well each point agrees with its neighbours' tangent planes and normals, 0 to 1. It is almost 0
+            for an outlier. A mirror image of the point cannot be expected to agree better.
+        boundary: whether each point lies on the boundary of the surface.
+        spacing: side of the square that one point has to itself; median over the points.
+        thickness: standard deviation of the points about the best plane of their neighbours; median over the points.
+        noisy: whether the thickness is due to noise and not to curvature.
+        tree: k-d tree of the points.
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -55,14 +56,19 @@ class Surface(NamedTuple):
 
     @property
     def flat(self) -> bool:
-        """Whether the cloud is a flat sheet: then only its outline distinguishes its mirror planes."""
+        """Whether all points lie in one plane: then only the cloud's outline distinguishes its mirror planes."""
         singular = np.linalg.svd(self.points - self.points.mean(axis=0), compute_uv=False)
         return bool(singular[2] < FLAT * singular[0])
 
     @property
     def tolerance(self) -> float:
-        """Distance from a tangent plane that is not remarkable: half a spacing, or the noise."""
-        return max(0.5 * self.spacing, 1.5 * self.thickness)
+        """Distance from a tangent plane that the sampling or the noise explains."""
+        return _tolerance(self.spacing, self.thickness)
+
+
+def _tolerance(spacing: float, thickness: float) -> float:
+    """Returns half a spacing, or 1.5 standard deviations of the noise if that is more."""
+    return max(0.5 * spacing, 1.5 * thickness)
 
 
 def estimate_surface(
@@ -71,50 +77,56 @@ def estimate_surface(
     normals: Float[np.ndarray, "n 3"] | None = None,
     use_confidence: bool = True,
 ) -> Surface:
-    """Estimates normals, point confidence and boundary of a cloud.
+    """Estimates the normals, point confidence and boundary of a cloud.
+
+    Normals and confidence are estimated twice. The second pass weights the neighbours by the confidence of the first,
+    so that outliers do not tilt the normals.
 
     Args:
-        points: distinct points.
-        normals: normals of any length and orientation, if they are known.
-        use_confidence: whether points differ in confidence; if not, all have confidence 1.
+        points: distinct points, in any units.
+        normals: known normals, of any length and orientation; None to estimate them.
+        use_confidence: whether to estimate the confidence of each point; otherwise it is 1 for all.
+
+    Returns:
+        The surface, in the units of the points.
     """
     tree = cKDTree(points)
     count = min(NUM_NEIGHBOURS, len(points) - 1)
-    distance, near = (found[:, 1:] for found in tree.query(points, k=count + 1, workers=-1))
-    # the k-th neighbour of Poisson points in a plane is at √(k/π) spacings
-    spacing = float(np.median(distance[:, 5]) / np.sqrt(6 / np.pi))
-    noisy = _is_noisy(points, near, spacing)
-    near_enough = near[:, : COARSE if noisy else FINE]
+    distances, neighbours = (found[:, 1:] for found in tree.query(points, k=count + 1, workers=-1))
+    # the k-th neighbour of a Poisson sample of a plane is at √(k/π) spacings
+    spacing = float(np.median(distances[:, 5]) / np.sqrt(6 / np.pi))
+    noisy = _is_noisy(points, neighbours, spacing)
+    closest = neighbours[:, : NOISY_NEIGHBOURS if noisy else CLEAN_NEIGHBOURS]
     confidence = np.ones(len(points))
-    # the second time without the points that belong to no surface
     for _ in range(2):
-        variance, least = _scatter(points, near_enough, confidence)
+        variance, unit_normals = _thinnest_direction(points, closest, confidence)
         thickness = float(np.median(np.sqrt(variance)))
         if normals is not None:
-            least = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+            unit_normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
         if use_confidence:
-            confidence = _confidence(points, least, near, max(0.5 * spacing, 1.5 * thickness))
-    boundary = _is_boundary(points, least, near, distance)
-    return Surface(points, least, confidence, boundary, spacing, thickness, noisy, tree)
+            confidence = _confidence(points, unit_normals, neighbours, _tolerance(spacing, thickness))
+    boundary = _is_boundary(points, unit_normals, neighbours, distances)
+    return Surface(points, unit_normals, confidence, boundary, spacing, thickness, noisy, tree)
 
 
-def _is_noisy(points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "n k"], spacing: float) -> bool:
-    """Whether noise, not curvature, thickens the surface."""
-    probes = np.arange(0, len(points), max(1, len(points) // 500))
-    alike = np.ones(len(points))
-    fine, coarse = (
-        float(np.median(np.sqrt(_scatter(points, near[probes, :size], alike)[0]))) for size in (FINE, COARSE)
+def _is_noisy(points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "n k"], spacing: float) -> bool:
+    """Returns whether noise, not curvature, thickens the surface."""
+    tested = np.arange(0, len(points), max(1, len(points) // 500))
+    equal_weights = np.ones(len(points))
+    small, large = (
+        float(np.median(np.sqrt(_thinnest_direction(points, neighbours[tested, :size], equal_weights)[0])))
+        for size in (CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS)
     )
-    return fine > NOISY * spacing and coarse < GROWTH * fine
+    return small > NOISY_THICKNESS * spacing and large < NOISE_GROWTH * small
 
 
-def _scatter(
-    points: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "m k"], weight: Float[np.ndarray, " n"]
+def _thinnest_direction(
+    points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "m k"], weight: Float[np.ndarray, " n"]
 ) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, "m 3"]]:
-    """Least variance of neighbours about their mean, and its direction."""
-    normalised = weight[near] + 1e-6
+    """Returns the smallest principal variance of each neighbourhood, and its direction: the normal."""
+    normalised = weight[neighbours] + 1e-6
     normalised = normalised / normalised.sum(axis=1, keepdims=True)
-    offset = points[near]
+    offset = points[neighbours]
     offset = offset - np.matmul(normalised[:, None], offset)
     weighted = np.sqrt(normalised)[:, :, None] * offset
     values, vectors = np.linalg.eigh(np.matmul(weighted.transpose(0, 2, 1), weighted))
@@ -122,21 +134,27 @@ def _scatter(
 
 
 def _confidence(
-    points: Float[np.ndarray, "n 3"], normals: Float[np.ndarray, "n 3"], near: Int[np.ndarray, "n k"], tolerance: float
+    points: Float[np.ndarray, "n 3"],
+    normals: Float[np.ndarray, "n 3"],
+    neighbours: Int[np.ndarray, "n k"],
+    tolerance: float,
 ) -> Float[np.ndarray, " n"]:
-    near = near[:, :CONFIDENCE_NEIGHBOURS]
-    theirs = normals[near]
-    height = ((points[:, None] - points[near]) * theirs).sum(axis=2)
-    cosine = (normals[:, None] * theirs).sum(axis=2)
-    return (np.exp(-0.5 * (height / tolerance) ** 2) * cosine**2).mean(axis=1)
+    """Returns the mean agreement of each point, in height and normal, with its neighbours' tangent planes."""
+    closest = neighbours[:, :CONFIDENCE_NEIGHBOURS]
+    height = ((points[:, None] - points[closest]) * normals[closest]).sum(axis=2)
+    cosine = (normals[:, None] * normals[closest]).sum(axis=2)
+    confidence: Float[np.ndarray, " n"] = (np.exp(-0.5 * (height / tolerance) ** 2) * cosine**2).mean(axis=1)
+    return confidence
 
 
 def _is_boundary(
     points: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
-    near: Int[np.ndarray, "n k"],
-    distance: Float[np.ndarray, "n k"],
+    neighbours: Int[np.ndarray, "n k"],
+    distances: Float[np.ndarray, "n k"],
 ) -> Bool[np.ndarray, " n"]:
-    offset = points[near].mean(axis=1) - points
-    offset -= (offset * normals).sum(axis=1, keepdims=True) * normals
-    return np.linalg.norm(offset, axis=1) > BOUNDARY * distance[:, -1]
+    """Returns whether the neighbours of each point lie to one side of it in the tangent plane."""
+    shift = points[neighbours].mean(axis=1) - points
+    shift -= (shift * normals).sum(axis=1, keepdims=True) * normals
+    boundary: Bool[np.ndarray, " n"] = np.linalg.norm(shift, axis=1) > BOUNDARY_SHIFT * distances[:, -1]
+    return boundary
