@@ -84,4 +84,6 @@ def _centres(origin: Float[np.ndarray, " 3"], cell: float) -> Float[np.ndarray, 
 def penalty_at(grid: VoxelGrid, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """Returns the non-match penalty at points: that of their voxel, or of the nearest one if they lie outside."""
     voxel = np.clip(((points - grid.origin) / grid.cell).astype(int), 0, SIZE - 1)
-    return np.asarray(grid.penalty)[(voxel[:, 0] * SIZE + voxel[:, 1]) * SIZE + voxel[:, 2]]
+    index = (voxel[:, 0] * SIZE + voxel[:, 1]) * SIZE + voxel[:, 2]
+    penalty: Float[np.ndarray, " n"] = np.asarray(grid.penalty)[index]
+    return penalty

@@ -1,4 +1,4 @@
-"""What the planes of a cloud make up: one, several, an axis, a sphere, or nothing."""
+"""Classification of whole detections: one plane, several planes, an axis, a sphere, or none."""
 
 from functools import cache
 
@@ -11,7 +11,7 @@ from symjax.geometry.distance import offset_error
 from symjax.geometry.plane import Plane
 
 NUM = 2_000
-"""Points of a cloud: few enough that all tests of `detect` share what is compiled."""
+"""Points of most clouds. They fit the smallest padded size, so that the tests share the compiled programs."""
 
 
 @cache
@@ -29,13 +29,13 @@ def angle_to(direction, other):
 
 
 def near(plane, truth, found):
-    """Whether a plane is another one, in place and turn."""
+    """Returns whether a plane equals another one, up to 0.5° and 0.005 diagonals."""
     centre = found.points.mean(axis=0)
     return plane.angle(truth) < 0.5 and offset_error(plane, truth, centre, found.diagonal) < 0.005
 
 
 def body_of_a_mug():
-    """A mug without what is not the same all around: handle, lip and dots."""
+    """Returns a mug reduced to its body of revolution, without handle, lip and dots."""
     mug, field = generate("mug", num_points=2 * NUM, rng=0), build("mug", 0).field
     turns = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     x, y, z = mug.points.T
@@ -44,7 +44,7 @@ def body_of_a_mug():
     return pose(mug._replace(points=mug.points[on_surface > 0.7][:NUM]), 1)
 
 
-def test_a_block_has_three_planes_that_are_as_good():
+def test_a_block_has_three_planes_and_is_ambiguous():
     found, truth = detection_of("block"), sample_of("block")
     assert (found.found, found.ambiguous, found.symmetry, found.axis) == (True, True, "several planes", None)
     for normal, offset in truth.planes:
@@ -54,7 +54,7 @@ def test_a_block_has_three_planes_that_are_as_good():
         assert found.candidates[rank[0]].score > found.threshold
 
 
-def test_only_the_blocks_own_planes_are_nearly_perfect():
+def test_only_the_true_planes_of_a_block_score_high():
     scores = [candidate.score for candidate in detection_of("block").candidates]
     assert min(scores[:3]) > 0.9
     assert max(scores[3:]) < 0.8
@@ -76,7 +76,7 @@ def test_a_drum_has_an_axis(seed):
     beside = point - truth.axis[0]
     beside -= beside @ truth.axis[1] * truth.axis[1]
     assert np.linalg.norm(beside) < 0.01 * found.diagonal
-    # all its planes contain the axis or are the one across
+    # every mirror plane of a drum contains the axis or is perpendicular to it
     for candidate in found.candidates:
         tilt = angle_to(candidate.plane.normal, truth.axis[1])
         assert min(tilt, 90 - tilt) < 3
@@ -93,28 +93,28 @@ def detection_of_a_cut_ball():
     return symjax.detect(remove_part(sample_of("ball").points, 0.28, 0)[0])
 
 
-def test_the_planes_of_a_ball_with_a_part_cut_off_still_contain_its_centre():
+def test_the_planes_of_a_cut_ball_contain_its_centre():
     ball, found = sample_of("ball"), detection_of_a_cut_ball()
     assert (found.found, found.ambiguous) == (True, True)
     for candidate in found.candidates[:5]:
         assert abs(candidate.plane.normal @ ball.axis[0] - candidate.plane.offset) < 0.005 * found.diagonal
 
 
-def test_a_ball_with_a_part_cut_off_is_a_sphere_about_its_centre():
+def test_a_cut_ball_is_a_sphere_about_its_centre():
     ball, found = sample_of("ball"), detection_of_a_cut_ball()
     assert found.symmetry == "sphere"
     assert np.linalg.norm(found.axis[0] - ball.axis[0]) < 0.01 * found.diagonal
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "human", "chair", "fish"])
-def test_what_has_one_plane_has_one_plane(kind):
+def test_an_object_with_one_plane_is_classified_as_one_plane(kind):
     found, truth = detection_of(kind), sample_of(kind)
     assert (found.found, found.ambiguous, found.symmetry, found.axis) == (True, False, "one plane", None)
     assert found.plane.angle(Plane(*truth.planes[0])) < 1
 
 
 @pytest.mark.parametrize(("kind", "count"), [("block", 3), ("cube", 9), ("prism", 8), ("pyramid", 6)])
-def test_all_planes_of_what_has_several_are_found(kind, count):
+def test_all_planes_of_an_object_with_several_are_found(kind, count):
     found, truth = detection_of(kind), sample_of(kind)
     assert len(truth.planes) == len(found.planes) == count
     for normal, offset in truth.planes:
@@ -123,14 +123,14 @@ def test_all_planes_of_what_has_several_are_found(kind, count):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_body_of_revolution_with_a_handle_has_one_plane(seed):
-    """All planes through the axis of a jug score nearly as much, and none but one is a peak."""
+    """All planes through the axis of a jug score nearly as high as the mirror plane, but no valley separates them."""
     found = symjax.detect(pose(generate("jug", num_points=5000, rng=seed), seed + 1).points)
     assert min(candidate.score for candidate in found.candidates[:4]) > 0.85 * found.score
     assert (found.symmetry, found.ambiguous, len(found.planes)) == ("one plane", False, 1)
 
 
 @pytest.mark.parametrize("kind", ["scrap", "tree", "hand"])
-def test_what_has_no_plane_has_none(kind):
+def test_an_object_without_a_plane_is_classified_as_none(kind):
     found = detection_of(kind)
     assert (found.found, found.ambiguous, found.symmetry, found.axis) == (False, False, "none", None)
     assert found.score <= found.threshold
@@ -143,7 +143,7 @@ def test_a_mug_without_its_handle_is_ambiguous():
     found = symjax.detect(body.points)
     assert (found.found, found.ambiguous, found.symmetry) == (True, True, "axis")
     assert angle_to(found.axis[1], pose(generate("mug", num_points=10, rng=0), 1).normals[0]) > 85
-    # planes through the axis are as good as the handle's own
+    # other planes through the axis are as good as the plane of the removed handle
     assert min(c.score for c in found.candidates[:4]) > 0.9 * found.score
 
 
@@ -153,20 +153,20 @@ def test_found_and_ambiguous_and_symmetry_agree(kind):
     assert found.found == (found.symmetry != "none") == (found.score > found.threshold)
     assert not (found.ambiguous and found.symmetry in ("none", "one plane"))
     assert (found.axis is not None) == (found.symmetry in ("axis", "sphere"))
-    # the others were scored on a thousand points only
+    # unrefined candidates rank behind, whatever their score on a thousand points
     refined = [candidate.ranking_score for candidate in found.candidates if candidate.exactness is not None]
     assert max(refined) == found.candidates[0].ranking_score
 
 
 @pytest.mark.parametrize("kind", ["block", "drum"])
-def test_the_symmetry_does_not_depend_on_how_many_planes_are_asked_for(kind):
+def test_the_symmetry_does_not_depend_on_max_planes(kind):
     found, one = detection_of(kind), symjax.detect(sample_of(kind).points, max_planes=1)
     assert len(one.candidates) == 1
     assert (one.symmetry, one.ambiguous) == (found.symmetry, found.ambiguous)
 
 
 @pytest.mark.parametrize("kind", ["block", "cube", "quadruped", "human", "tree"])
-def test_the_planes_are_all_true_ones_and_no_others(kind):
+def test_the_planes_are_exactly_the_true_ones(kind):
     found, truth = detection_of(kind), sample_of(kind)
     assert len(found.planes) == len(truth.planes)
     for normal, offset in truth.planes:

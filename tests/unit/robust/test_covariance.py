@@ -1,4 +1,4 @@
-"""Clustered covariance: the textbook's where the textbook has one."""
+"""Clustered covariance agrees with textbook formulas in the cases that they cover."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from symjax.robust.covariance import clustered_covariance, mirror_clusters
 
 
 def covariance_of(rows, residual, cluster):
-    """Of plain least squares, whose gradients and Hessians are these."""
+    """Returns the clustered covariance of a linear least-squares fit."""
     return clustered_covariance(residual[:, None] * rows, rows[:, :, None] * rows[:, None], cluster)
 
 
 def least_squares(rng, count):
-    """Rows of a linear fit with three coefficients, its right-hand side, and the residuals at the optimum."""
+    """Returns the rows of a linear fit with three coefficients, the values, and the residuals at the optimum."""
     rows = rng.normal(size=(count, 3)) * [1.0, 2.0, 0.5]
     values = rng.normal(size=count) * rng.uniform(0.1, 1.0, count)
     return rows, values, values - rows @ np.linalg.lstsq(rows, values, rcond=None)[0]
@@ -37,7 +37,7 @@ def test_clusters_are_left_out_one_by_one(rng):
     np.testing.assert_allclose(covariance_of(rows, residual, cluster), jackknife, rtol=1e-9)
 
 
-def test_the_covariance_is_the_usual_one_where_all_noise_is_alike(rng):
+def test_the_covariance_is_the_usual_one_for_homoscedastic_noise(rng):
     rows = rng.normal(size=(20_000, 3)) * [1.0, 2.0, 0.5]
     noise = 0.3 * rng.normal(size=20_000)
     found = covariance_of(rows, noise, np.arange(20_000))
@@ -45,13 +45,13 @@ def test_the_covariance_is_the_usual_one_where_all_noise_is_alike(rng):
     np.testing.assert_allclose(found, usual, atol=0.05 * np.abs(usual).max())
 
 
-def test_the_same_evidence_twice_is_no_more_evidence(rng):
+def test_repeated_residuals_do_not_reduce_the_covariance(rng):
     rows, _, residual = least_squares(rng, 200)
     twice = np.repeat(rows, 2, axis=0), np.repeat(residual, 2)
     once = covariance_of(rows, residual, np.arange(200))
     together = covariance_of(*twice, np.repeat(np.arange(200), 2))
     np.testing.assert_allclose(together, once, rtol=1e-9)
-    # held for independent, it would seem half as uncertain
+    # if the copies were treated as independent, the variance would be halved
     np.testing.assert_allclose(np.trace(covariance_of(*twice, np.arange(400))), np.trace(once) / 2, rtol=0.05)
 
 
@@ -60,7 +60,7 @@ def test_a_point_and_its_mirror_image_share_a_cluster(rng):
     plane = Plane(np.array([0.84, 0.42, 0.34]) / np.linalg.norm([0.84, 0.42, 0.34]), np.float64(0.1))
     cluster = mirror_clusters(plane, np.vstack([points, np.asarray(plane.reflect(points))]), 0.2)
     np.testing.assert_array_equal(cluster[:300], cluster[300:])
-    # two of the side that is not folded are together only within a cell
+    # on the side that is not folded, points of one cluster lie in one cell
     above = np.asarray(plane.signed_distance(points)) > 0
     cells = [points[above & (cluster[:300] == c)] for c in np.unique(cluster[:300][above])]
     assert len(cells) > 50

@@ -1,4 +1,4 @@
-"""The robust method from points to plane: corruptions, equivariance, options, and input that is hardly a cloud."""
+"""The robust method from points to plane: corruptions, equivariance, arguments, and degenerate clouds."""
 
 from functools import cache
 
@@ -51,7 +51,7 @@ def offset_between(plane, other, detection):
 
 @pytest.mark.parametrize("corruption", CORRUPTIONS)
 @pytest.mark.parametrize(("kind", "seed"), [("quadruped", 1), ("human", 0), ("aeroplane", 1)])
-def test_a_planted_plane_is_found(kind, seed, corruption):
+def test_the_true_plane_is_found_under_every_corruption(kind, seed, corruption):
     sample = sample_of(kind, seed)
     found = symjax.detect(corrupt(sample.points, seed, **CORRUPTIONS[corruption]).points)
     planted = Plane(*sample.planes[0])
@@ -61,7 +61,7 @@ def test_a_planted_plane_is_found(kind, seed, corruption):
     assert found.score > found.threshold
 
 
-def test_a_clean_plane_is_found_to_a_tenth_of_a_degree_and_within_its_errors(detection, truth):
+def test_the_plane_of_a_clean_cloud_is_exact_to_a_tenth_of_a_degree_and_within_its_standard_errors(detection, truth):
     assert detection.plane.angle(truth) < 0.1
     assert detection.uncertainty.distance(detection.plane, truth) < 5
     assert not detection.uncertainty.contains(detection.plane, Plane(truth.normal, truth.offset + 0.1))
@@ -69,7 +69,7 @@ def test_a_clean_plane_is_found_to_a_tenth_of_a_degree_and_within_its_errors(det
     assert detection.uncertainty.offset < 0.01 * detection.diagonal
 
 
-def test_the_same_seed_gives_the_same_bits_and_another_one_the_same_plane(cloud, detection):
+def test_a_seed_reproduces_every_bit_and_another_seed_the_plane(cloud, detection):
     again, other = symjax.detect(cloud), symjax.detect(cloud, rng=7)
     np.testing.assert_array_equal(again.plane.normal, detection.plane.normal)
     assert (again.plane.offset, again.score, again.threshold) == (
@@ -100,7 +100,7 @@ def test_the_plane_moves_with_the_cloud(cloud, detection, rng, change):
     assert moved.uncertainty.offset == pytest.approx(scale * detection.uncertainty.offset, rel=0.2)
 
 
-def test_pairs_are_given_points_that_the_plane_mirrors_onto_each_other(cloud, detection):
+def test_pairs_are_given_points_that_the_plane_reflects_onto_each_other(cloud, detection):
     pairs = detection.pairs
     np.testing.assert_array_equal(pairs.x, cloud[pairs.rows[:, 0]])
     np.testing.assert_array_equal(pairs.y, cloud[pairs.rows[:, 1]])
@@ -123,7 +123,7 @@ def test_candidates_are_distinct_and_the_first_is_the_plane(detection):
             assert one.plane.angle(other.plane) > 3 or apart > 0.01
 
 
-def test_a_prior_of_any_length_is_found_where_nothing_else_would_be(cloud, truth, monkeypatch):
+def test_an_initial_plane_is_found_although_no_hypothesis_is_near_it(cloud, truth, monkeypatch):
     nowhere = Plane(np.tile([[0.0, 0.0, 1.0]], (8, 1)), np.linspace(2, 3, 8))
     monkeypatch.setattr(search, "hypotheses", lambda *_, **__: nowhere)
     turned = truth.normal + 0.08 * np.cross(truth.normal, [0.0, 0.0, 1.0])
@@ -133,7 +133,7 @@ def test_a_prior_of_any_length_is_found_where_nothing_else_would_be(cloud, truth
     assert not symjax.detect(cloud).found
 
 
-def test_a_bad_prior_is_harmless(cloud, detection):
+def test_a_wrong_initial_plane_is_harmless(cloud, detection):
     bad = Plane(np.array([0.6, 0.8, 0.0]), np.float64(40.0))
     assert symjax.detect(cloud, Robust(init=bad)).plane.angle(detection.plane) < 0.05
 
@@ -149,18 +149,18 @@ def test_a_bad_prior_is_harmless(cloud, detection):
         *("plane", 5, ([1.0, 0.0, 0.0],), (np.ones(3), "a")),
     ],
 )
-def test_a_malformed_prior_is_refused(init):
+def test_a_malformed_initial_plane_is_rejected(init):
     with pytest.raises(InvalidArgumentError, match="init"):
         Robust(init=init)
 
 
-def test_as_many_candidates_as_asked_for(cloud, detection):
+def test_max_planes_limits_the_candidates(cloud, detection):
     one = symjax.detect(cloud, max_planes=1)
     assert len(one.candidates) == 1
     assert one.plane.angle(detection.plane) < 0.05
 
 
-def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
+def test_given_normals_give_the_same_plane_as_estimated_ones(cloud, detection):
     normals = estimate_surface(cloud).normals
     given = symjax.detect(cloud, normals=-3 * normals)
     assert given.plane.angle(detection.plane) < 0.2
@@ -178,7 +178,7 @@ def test_fifty_points_are_enough(kind):
     assert np.isfinite([*found.plane.normal, found.plane.offset, found.score]).all()
 
 
-def test_a_flat_cloud_gets_planes_across_it(rng):
+def test_the_planes_of_a_flat_cloud_are_perpendicular_to_it(rng):
     outline = rng.uniform(-1, 1, size=(3_000, 2))
     wide = np.abs(outline[:, 0]) < 0.2 + 0.25 * (1 + outline[:, 1]) ** 2 * (outline[:, 1] < 0.7)
     found = symjax.detect(np.c_[outline[wide], np.zeros(wide.sum())])
@@ -187,14 +187,14 @@ def test_a_flat_cloud_gets_planes_across_it(rng):
     assert any("coplanar" in note for note in found.notes)
 
 
-def test_a_large_cloud_is_thinned_and_said_to_be():
+def test_a_large_cloud_is_thinned_and_a_note_says_so():
     found = symjax.detect(generate("quadruped", num_points=40_000, rng=0).points, max_points=2_000)
     assert (found.num_points, found.num_used <= 2_000) == (40_000, True)
     assert any("thinned from 40000" in note for note in found.notes)
     assert found.plane.angle(Plane(np.array([1.0, 0.0, 0.0]), 0.0)) < 0.5
 
 
-def test_nan_is_refused_or_dropped(cloud, detection):
+def test_nan_is_rejected_or_dropped(cloud, detection):
     holed = np.vstack([np.full((10, 3), np.nan), cloud])
     with pytest.raises(NonfiniteError, match="10 of"):
         symjax.detect(holed)
@@ -203,7 +203,7 @@ def test_nan_is_refused_or_dropped(cloud, detection):
     np.testing.assert_array_equal(found.pairs.x, holed[found.pairs.rows[:, 0]])
 
 
-def test_outliers_are_dropped_unless_they_are_to_be_kept(cloud):
+def test_outliers_are_dropped_unless_drop_outliers_is_false(cloud):
     points = add_outliers(cloud, 0.3, 1)
     dropped, kept = symjax.detect(points), symjax.detect(points, drop_outliers=False)
     assert kept.num_used == len(points) > dropped.num_used

@@ -1,4 +1,4 @@
-"""The options of `Robust`: checked, and each of them removes its stage and nothing else."""
+"""The options of `Robust` are checked, and each of them changes its own stage only."""
 
 from dataclasses import fields, replace
 
@@ -48,13 +48,12 @@ def candidates(surface, grid, **changes):
     return search.candidates(surface, grid, np.random.default_rng(0), num_pairs=1024, **changes)
 
 
-def test_a_method_is_plain_data():
+def test_a_method_is_a_frozen_dataclass_with_documented_options():
     assert Robust() == Robust()
     assert replace(Robust(), register=False) != Robust()
     with pytest.raises(AttributeError):
         Robust().refine = False
     assert Robust().found == FoundThresholds()
-    # every option is explained
     assert all(f"{field.name}:" in Robust.__doc__ for field in fields(Robust))
     assert all(f"{field.name}:" in FoundThresholds.__doc__ for field in fields(FoundThresholds))
 
@@ -94,7 +93,7 @@ def test_methods_with_an_initial_plane_compare_and_hash():
         {"found": 0.5},
     ],
 )
-def test_options_out_of_their_range_are_refused(change):
+def test_options_out_of_range_are_rejected(change):
     with pytest.raises(InvalidArgumentError, match=next(iter(change))):
         Robust(**change)
 
@@ -102,12 +101,12 @@ def test_options_out_of_their_range_are_refused(change):
 @pytest.mark.parametrize(
     "change", [{"base": -0.1}, {"most": float("nan")}, {"exact": "a"}, {"exactness_per_noise": float("inf")}]
 )
-def test_thresholds_out_of_their_range_are_refused(change):
+def test_thresholds_out_of_range_are_rejected(change):
     with pytest.raises(InvalidArgumentError, match=next(iter(change))):
         FoundThresholds(**change)
 
 
-def test_the_threshold_follows_background_and_exactness():
+def test_the_threshold_depends_on_background_exactness_and_noise():
     thresholds = FoundThresholds(
         base=0.3, per_background=0.5, most=0.6, exact=0.2, exactness=0.5, exactness_per_noise=1
     )
@@ -122,7 +121,7 @@ def test_without_point_confidence_all_points_weigh_the_same(cloud):
     assert estimate_surface(cloud.points).confidence.min() < 0.9
 
 
-def test_without_pair_hypotheses_the_other_sources_are_left(surface):
+def test_without_pair_hypotheses_the_other_sources_remain(surface):
     some, none = (hypotheses.hypotheses(surface, np.random.default_rng(0), num_pairs=count) for count in (7, 0))
     assert len(some.offset) == len(none.offset) + 7
     np.testing.assert_array_equal(np.delete(some.normal, np.s_[3:10], axis=0), none.normal)
@@ -140,15 +139,15 @@ def test_without_registration_all_candidates_are_hypotheses(surface, grid):
     assert min(apart(candidate) for candidate in candidates(surface, grid)) > 1e-6
 
 
-def test_without_exact_scoring_candidates_have_the_scores_of_the_grid(surface, grid):
+def test_without_exact_scoring_candidates_keep_the_scores_of_the_grid(surface, grid):
     exact, plain = candidates(surface, grid), candidates(surface, grid, exact_scoring=False)
-    # the same planes, with other scores
+    # the planes are the same, the scores are not
     assert {tuple(c.plane.normal) for c in exact} == {tuple(c.plane.normal) for c in plain}
     assert [c.score for c in plain] == sorted((c.score for c in plain), reverse=True)
     assert {c.score for c in exact}.isdisjoint(c.score for c in plain)
 
 
-def test_without_normals_the_agreement_is_that_of_the_place(surface, grid, whole):
+def test_without_normals_the_agreement_depends_on_the_place_only(surface, grid, whole):
     plane = whole.candidates[0].plane
     both, place = (score_plane(plane, surface, grid, use_normals=use) for use in (True, False))
     mirrored = surface.normals - 2 * np.outer(surface.normals @ plane.normal, plane.normal)
@@ -157,8 +156,8 @@ def test_without_normals_the_agreement_is_that_of_the_place(surface, grid, whole
     assert place.score > both.score
 
 
-def test_without_normals_turned_normals_change_no_score_of_the_grid(surface, grid, rng):
-    turned = rng.permutation(surface.normals)
+def test_without_normals_the_scores_of_the_grid_ignore_them(surface, grid, rng):
+    shuffled = rng.permutation(surface.normals)
     rows = np.arange(256)
     planes = Plane(np.eye(3, dtype=np.float32), np.zeros(3, np.float32))
     ones = np.ones(256, np.float32)
@@ -167,11 +166,11 @@ def test_without_normals_turned_normals_change_no_score_of_the_grid(surface, gri
         probes = registration.Probes(surface.points[rows].astype(np.float32), normals[rows].astype(np.float32), ones)
         return registration.grid_scores(planes, np.float32(0.05), probes, grid, use_normals=use_normals)
 
-    np.testing.assert_array_equal(scores(turned, False), scores(surface.normals, False))
-    assert np.abs(scores(turned, True) - scores(surface.normals, True)).max() > 0.1
+    np.testing.assert_array_equal(scores(shuffled, False), scores(surface.normals, False))
+    assert np.abs(scores(shuffled, True) - scores(surface.normals, True)).max() > 0.1
 
 
-def test_without_refinement_the_plane_is_the_searched_one_and_has_standard_errors(surface, grid, cloud, whole):
+def test_without_refinement_the_plane_is_that_of_the_search_but_has_standard_errors(surface, grid, cloud, whole):
     rough = found(cloud, refine=False)
     assert any(np.array_equal(rough.candidates[0].plane.normal, c.plane.normal) for c in candidates(surface, grid))
     assert not np.array_equal(rough.candidates[0].plane.normal, whole.candidates[0].plane.normal)
@@ -193,13 +192,13 @@ def test_the_ranking_score_counts_exactness_above_chance(cloud):
     assert method.chance_exactness == 0.2
 
 
-def test_no_more_candidates_are_refined_than_asked_for(cloud):
+def test_max_refined_limits_the_refined_candidates(cloud):
     assert [c.exactness is None for c in found(cloud, max_refined=1).candidates[:2]] == [False, True]
     many = found(cloud, max_refined=3, refine_above=0.0).candidates
     assert sum(c.exactness is not None for c in many) == 3
 
 
-def test_the_penalty_of_the_boundary_is_the_one_given(surface, cloud):
+def test_boundary_penalty_is_the_penalty_at_the_boundary(surface, cloud):
     penalties = np.unique(voxel_grid(surface, None, boundary_penalty=0.6).penalty)
     np.testing.assert_array_equal(penalties, np.float32([0.6, 1.0]))
     neutral, counted = (found(cloud, boundary_penalty=penalty).candidates[0].score for penalty in (0.15, 1.0))
@@ -213,7 +212,7 @@ def test_without_visibility_a_scan_from_one_side_is_not_recognised():
     assert found(scan, use_visibility=False).notes == ()
 
 
-def test_inliers_are_pairs_whose_agreement_reaches_the_option(cloud, whole):
+def test_inliers_are_pairs_whose_agreement_reaches_inlier_agreement(cloud, whole):
     strict = found(cloud, inlier_agreement=0.99)
     np.testing.assert_array_equal(strict.weight, whole.weight)
     assert strict.inlier_weight == 0.99

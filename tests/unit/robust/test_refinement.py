@@ -1,4 +1,4 @@
-"""Refinement reaches the true plane, and its standard errors are the errors that it has."""
+"""Refinement reaches the true plane, and its standard errors predict the actual errors."""
 
 import jax
 import numpy as np
@@ -8,14 +8,14 @@ from symjax.datasets import add_noise, build, generate
 from symjax.datasets.solids.surface import sample_surface
 from symjax.geometry.plane import Plane
 from symjax.robust.quadrics import fit_quadrics
-from symjax.robust.refinement import SIGMA_FACTOR, Residuals, heights, refine
+from symjax.robust.refinement import SIGMA_FACTOR, Correspondences, heights, refine
 from symjax.robust.surface import estimate_surface
 
 TRUE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))
 
 
-def around_of(points):
-    """Surface and quadrics, in units of the diagonal."""
+def surface_and_quadrics(points):
+    """Returns surface and quadrics of a cloud, in units of its diagonal."""
     found = estimate_surface(points / np.linalg.norm(np.ptp(points, axis=0)))
     return found, fit_quadrics(found)
 
@@ -28,20 +28,20 @@ def turned(degrees, direction, shift=0.0):
 
 @pytest.fixture(scope="module")
 def animal():
-    return around_of(generate("quadruped", num_points=2_000, rng=2).points)
+    return surface_and_quadrics(generate("quadruped", num_points=2_000, rng=2).points)
 
 
-def some_residuals(around, rng, count=50):
+def random_correspondences(around, rng, count=50):
     found, local = around
     partner = rng.integers(len(found.points), size=count)
     rows = rng.integers(len(found.points), size=count)
     weight = rng.uniform(size=count)
-    return Residuals(found.points[rows], local.frames_of(partner), local.coefficients[partner], weight), partner
+    return Correspondences(found.points[rows], local.frames_of(partner), local.coefficients[partner], weight), partner
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "human", "fish", "head", "block", "chair"])
-def test_a_plane_that_is_1_degree_off_returns_to_the_truth(kind):
-    around = around_of(generate(kind, num_points=2_000, rng=0).points)
+def test_a_plane_that_is_off_by_1_degree_returns_to_the_truth(kind):
+    around = surface_and_quadrics(generate(kind, num_points=2_000, rng=0).points)
     for direction, shift in ((0.5, 0.005), (3.0, -0.005)):
         found = refine(turned(1.0, direction, shift), *around)
         assert found.plane.angle(TRUE) < 0.05
@@ -50,28 +50,28 @@ def test_a_plane_that_is_1_degree_off_returns_to_the_truth(kind):
 
 
 @pytest.mark.parametrize("kind", ["mug", "jug", "car"])
-def test_what_a_nearly_round_or_boxy_body_leaves_open_its_standard_error_says(kind):
-    found = refine(turned(1.0, 0.5, 0.005), *around_of(generate(kind, num_points=2_000, rng=0).points))
+def test_the_error_on_a_nearly_round_or_boxy_body_is_within_three_standard_errors(kind):
+    found = refine(turned(1.0, 0.5, 0.005), *surface_and_quadrics(generate(kind, num_points=2_000, rng=0).points))
     claimed = found.uncertainty.normal_degrees
     assert claimed > 0.03
     assert found.plane.angle(TRUE) < 3 * claimed
 
 
-def test_the_answer_hardly_depends_on_the_start_where_a_round_part_is_large():
-    around = around_of(generate("teapot", num_points=2_000, rng=0).points)
+def test_the_result_hardly_depends_on_the_start_although_a_round_part_is_large():
+    around = surface_and_quadrics(generate("teapot", num_points=2_000, rng=0).points)
     one, other = (refine(turned(1.0, direction, shift), *around) for direction, shift in ((0.5, 0.005), (3.0, -0.005)))
     claimed = other.uncertainty.normal_degrees
     assert one.plane.angle(other.plane) < 5 * claimed
 
 
-def test_noise_costs_digits_and_no_more():
+def test_noise_reduces_the_accuracy_only_moderately():
     points = generate("quadruped", num_points=2_000, rng=0).points
-    found = refine(turned(1.0, 0.5, 0.005), *around_of(add_noise(points, 0.005, 1)))
+    found = refine(turned(1.0, 0.5, 0.005), *surface_and_quadrics(add_noise(points, 0.005, 1)))
     assert found.plane.angle(TRUE) < 0.4
     assert found.sigma > SIGMA_FACTOR * 0.002
 
 
-def test_a_plane_and_its_opposite_are_refined_to_one(animal):
+def test_both_orientations_of_a_plane_are_refined_to_the_same_plane(animal):
     plane = turned(1.0, 0.5, 0.003)
     one, other = refine(plane, *animal), refine(Plane(-plane.normal, -plane.offset), *animal)
     assert one.plane.angle(other.plane) < 1e-3
@@ -86,15 +86,15 @@ def test_refining_again_changes_little(animal):
 
 
 def test_heights_are_those_of_the_quadrics(animal, rng):
-    data, partner = some_residuals(animal, rng)
+    data, partner = random_correspondences(animal, rng)
     plane = turned(20, 1.0, 0.03)
     found = jax.jit(heights)(np.append(plane.normal, plane.offset), data)
     expected = animal[1].heights(np.asarray(plane.reflect(data.x)), partner)
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def test_the_derivative_of_the_heights_is_right(animal, rng):
-    data, _ = some_residuals(animal, rng)
+def test_derivatives_of_the_heights_equal_finite_differences(animal, rng):
+    data, _ = random_correspondences(animal, rng)
     plane = turned(20, 1.0, 0.03)
     z = np.append(plane.normal, plane.offset)
     step = 1e-6 * np.eye(4)
@@ -104,7 +104,7 @@ def test_the_derivative_of_the_heights_is_right(animal, rng):
     np.testing.assert_allclose(jax.jit(jax.jacrev(heights))(z, data), expected, rtol=1e-5, atol=1e-6)
 
 
-def test_the_covariance_is_symmetric_and_positive(animal):
+def test_the_covariance_is_symmetric_and_positive_definite(animal):
     found = refine(turned(1.0, 0.5), *animal)
     np.testing.assert_allclose(found.uncertainty.covariance, found.uncertainty.covariance.T, rtol=1e-6)
     assert np.linalg.eigvalsh(found.uncertainty.covariance).min() > 0
@@ -113,14 +113,14 @@ def test_the_covariance_is_symmetric_and_positive(animal):
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "chair"])
-def test_standard_errors_are_the_scatter_over_new_samples(kind):
+def test_standard_errors_equal_the_scatter_over_new_samples(kind):
     solid = build(kind, 0)
     turns, shifts, claimed, distance = [], [], [], []
     for seed in range(25):
         rng = np.random.default_rng(seed)
         points = sample_surface(solid.field, 1_500, rng)
         diagonal = np.linalg.norm(np.ptp(points, axis=0))
-        found = refine(TRUE, *around_of(points + rng.normal(scale=0.004 * diagonal, size=points.shape)))
+        found = refine(TRUE, *surface_and_quadrics(points + rng.normal(scale=0.004 * diagonal, size=points.shape)))
         turns.append(np.radians(found.plane.angle(TRUE)))
         shifts.append(found.plane.offset)
         claimed.append([np.trace(found.uncertainty.covariance[:2, :2]), found.uncertainty.covariance[2, 2]])
@@ -129,6 +129,6 @@ def test_standard_errors_are_the_scatter_over_new_samples(kind):
     normal, offset = np.sqrt(np.mean(claimed, axis=0))
     assert 0.5 < np.sqrt(np.mean(np.square(turns))) / normal < 2
     assert 0.5 < np.sqrt(np.mean(np.square(shifts))) / offset < 2
-    # χ² of three degrees: 3 on the mean, 7.8 with probability 0.95
+    # χ² with three degrees of freedom: its mean is 3, its 95 % quantile 7.8
     assert 1 < np.mean(distance) < 6
     assert np.mean(np.array(distance) < 7.815) > 0.8

@@ -1,4 +1,4 @@
-"""The registration against its formulas in NumPy, plane by plane, and planes that find their way back."""
+"""The registration agrees with its formulas in NumPy and moves perturbed planes back to the true one."""
 
 import numpy as np
 import pytest
@@ -6,18 +6,18 @@ import pytest
 from symjax.datasets import generate
 from symjax.geometry.plane import Plane
 from symjax.preprocess.cloud import prepare
-from symjax.robust.registration import DAMPING, FAR, LONGEST_SHIFT, LONGEST_TURN, Probes, grid_scores, register
+from symjax.robust.registration import DAMPING, DISPLACEMENT_SCALE, MAX_SHIFT, MAX_TURN, Probes, grid_scores, register
 from symjax.robust.search import ROUNDS
 from symjax.robust.surface import estimate_surface
 from symjax.robust.voxel_grid import SIZE, voxel_grid
 
-ISOTROPIC = 0.2
+POINT_SHARE = 0.2
 SIGMA = 0.04
 BATCHES = [1, 5, 16, 48, 64, 65, 100]
 
 
 def scene_of(kind, num_points=2_000):
-    """Voxel grid and probes of an object in units of its diagonal, and its true plane."""
+    """Returns voxel grid, probes and true plane of an object, in units of its diagonal."""
     sample = generate(kind, num_points=num_points, rng=0)
     cloud = prepare(sample.points)
     surface = estimate_surface(cloud.points)
@@ -42,12 +42,12 @@ def random_planes(count):
 
 
 def one_step(planes, probes, grid, sigma=SIGMA):
-    moved = register(planes, np.array([sigma], np.float32), probes, grid, isotropic=ISOTROPIC)
+    moved = register(planes, np.array([sigma], np.float32), probes, grid, point_share=POINT_SHARE)
     return np.asarray(moved.normal), np.asarray(moved.offset)
 
 
 def mirrored(v, omega, probes, grid):
-    """Heights, partners, their normals, cosines and penalties, in float64 after the look-up in float32."""
+    """Returns heights, mirror images, partners, their normals, cosines and penalties, in float64."""
     x, normals = probes.x.astype(float), probes.normals.astype(float)
     height = x @ v - omega
     image = x - 2 * np.outer(height, v)
@@ -61,12 +61,12 @@ def mirrored(v, omega, probes, grid):
 
 def weight_and_agreement(v, omega, sigma, probes, grid):
     height, image, y, _, cosine, penalty = mirrored(v, omega, probes, grid)
-    weight = probes.weight * (1 - np.exp(-2 * (height / (FAR * sigma)) ** 2))
+    weight = probes.weight * (1 - np.exp(-2 * (height / (DISPLACEMENT_SCALE * sigma)) ** 2))
     return weight, np.exp(-((image - y) ** 2).sum(axis=1) / (2 * sigma**2)) * cosine**2, penalty
 
 
 def step_in_numpy(v, omega, sigma, probes, grid):
-    """One damped Gauss-Newton step on Σ w (n·(x′ − y))² + isotropic w ‖x′ − y‖², by differences of its residuals."""
+    """One damped Gauss-Newton step on Σ w (n·(x′ − y))² + point_share w ‖x′ − y‖², by finite differences."""
     weight, agreement, _ = weight_and_agreement(v, omega, sigma, probes, grid)
     _, _, y, n, _, _ = mirrored(v, omega, probes, grid)
     root = np.sqrt(weight * agreement)
@@ -77,25 +77,25 @@ def step_in_numpy(v, omega, sigma, probes, grid):
         u = v + t[:2] @ basis
         u = u / np.linalg.norm(u)
         off = x - 2 * np.outer(x @ u - omega - t[2], u) - y
-        return np.concatenate([root * (n * off).sum(axis=1), (np.sqrt(ISOTROPIC) * root[:, None] * off).ravel()])
+        return np.concatenate([root * (n * off).sum(axis=1), (np.sqrt(POINT_SHARE) * root[:, None] * off).ravel()])
 
     jacobian = np.stack([(residuals(h) - residuals(-h)) / 2e-5 for h in 1e-5 * np.eye(3)], axis=1)
     matrix = jacobian.T @ jacobian
     matrix += (DAMPING * np.trace(matrix) / 3 + 1e-12) * np.eye(3)
     t = -np.linalg.solve(matrix, jacobian.T @ residuals(np.zeros(3)))
     turn = np.linalg.norm(t[:2])
-    u = v + min(1, LONGEST_TURN / turn) * t[:2] @ basis
-    return u / np.linalg.norm(u), omega + np.clip(t[2], -LONGEST_SHIFT, LONGEST_SHIFT)
+    u = v + min(1, MAX_TURN / turn) * t[:2] @ basis
+    return u / np.linalg.norm(u), omega + np.clip(t[2], -MAX_SHIFT, MAX_SHIFT)
 
 
-def test_one_step_is_the_gauss_newton_step_of_the_reweighted_squares(scene):
+def test_one_step_is_the_gauss_newton_step_of_the_weighted_squares(scene):
     grid, probes, *_ = scene
     planes = random_planes(64)
     v, omega = one_step(planes, probes, grid)
     expected = [step_in_numpy(a.astype(float), float(b), SIGMA, probes, grid) for a, b in zip(*planes, strict=True)]
     off = np.abs(v - np.stack([a for a, _ in expected])).max(axis=1)
     shift = np.abs(omega - np.array([b for _, b in expected]))
-    # a mirror image on a cell's border may be looked up on its other side
+    # a mirror image on the border of two voxels may fall into the other one in single precision
     assert np.median(np.maximum(off, shift)) < 2e-5
     assert np.quantile(np.maximum(off, shift), 0.9) < 5e-4
     moved = np.abs(v - planes.normal).max(axis=1)
@@ -116,8 +116,8 @@ def test_a_score_is_agreement_over_agreement_and_penalty(scene):
 
 
 @pytest.mark.parametrize("count", BATCHES)
-def test_a_batch_is_what_its_planes_are_one_by_one(scene, count):
-    # a sum over an axis of length 3 inside vmap comes out wrong on some CPUs, in some rows of some batches
+def test_a_batch_gives_the_same_as_its_planes_one_by_one(scene, count):
+    # jaxlib 0.10 compiles a sum over an axis of length 3 inside vmap wrongly on some CPUs, for some batch sizes
     grid, probes, *_ = scene
     planes = random_planes(count)
     alone = [one_step(Plane(*(a[i : i + 1] for a in planes)), probes, grid) for i in range(0, count, 7)]
@@ -128,7 +128,7 @@ def test_a_batch_is_what_its_planes_are_one_by_one(scene, count):
         np.testing.assert_allclose(omega[::7], np.concatenate([b for _, b in alone]), atol=2e-4)
 
 
-def test_planes_do_not_depend_on_their_neighbours(scene):
+def test_the_result_of_a_plane_does_not_depend_on_the_rest_of_the_batch(scene):
     grid, probes, *_ = scene
     planes = random_planes(100)
     v, omega = one_step(planes, probes, grid)
@@ -155,11 +155,11 @@ def angles(v, normal):
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "chair", "human", "teapot"])
-def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return(kind):
+def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return_to_the_truth(kind):
     grid, probes, normal, offset = scene_of(kind)
     planes = perturbed(normal, offset, 64, 8.0, 0.03)
     sigmas = np.array([s for stage in ROUNDS for s in stage.sigmas], np.float32)
-    moved = register(planes, sigmas, probes, grid, isotropic=ROUNDS[-1].isotropic)
+    moved = register(planes, sigmas, probes, grid, point_share=ROUNDS[-1].point_share)
     v, omega = np.asarray(moved.normal), np.asarray(moved.offset)
     assert np.quantile(angles(v, normal), 0.9) < 1.0
     assert np.quantile(np.abs(np.abs(omega) - abs(offset)), 0.9) < 0.005
@@ -167,7 +167,7 @@ def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return(kind):
     assert np.mean(np.asarray(grid_scores(moved, np.float32(0.025), probes, grid)) > np.asarray(before)) > 0.95
 
 
-def test_a_plane_and_its_opposite_are_one(scene):
+def test_both_orientations_of_a_plane_give_the_same(scene):
     grid, probes, *_ = scene
     planes = random_planes(64)
     turned = Plane(-planes.normal, -planes.offset)
@@ -178,12 +178,12 @@ def test_a_plane_and_its_opposite_are_one(scene):
     np.testing.assert_allclose(*scores, atol=1e-3)
 
 
-def test_a_step_is_never_longer_than_its_limits(scene):
+def test_a_step_respects_its_limits(scene):
     grid, probes, *_ = scene
     planes = random_planes(64)
     v, omega = one_step(planes, probes, grid, sigma=0.3)
-    assert np.radians(angles_between(v, planes.normal)).max() <= LONGEST_TURN + 1e-3
-    assert np.abs(omega - planes.offset).max() <= LONGEST_SHIFT + 1e-6
+    assert np.radians(angles_between(v, planes.normal)).max() <= MAX_TURN + 1e-3
+    assert np.abs(omega - planes.offset).max() <= MAX_SHIFT + 1e-6
     np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, atol=1e-5)
 
 

@@ -1,4 +1,4 @@
-"""Scores of planes: high for the true one of twins, low for a wrong one, zero for one far off."""
+"""Scores and exactness: high for the true plane, low for a wrong one, zero for one far away."""
 
 import numpy as np
 import pytest
@@ -7,31 +7,31 @@ from scipy.spatial import cKDTree
 from symjax.datasets import add_noise, generate
 from symjax.geometry.plane import Plane
 from symjax.robust.quadrics import fit_quadrics
-from symjax.robust.scoring import SLACK, TOLERANCES, PlaneScore, exactness, score_plane
+from symjax.robust.scoring import HEIGHT_SCALE, SLACK, PlaneScore, exactness, score_plane
 from symjax.robust.surface import estimate_surface
 from symjax.robust.voxel_grid import penalty_at, voxel_grid
 
 TRUE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))
 
 
-def around_of(points):
-    """Surface and voxel grid, in units of the diagonal."""
+def surface_and_grid(points):
+    """Returns surface and voxel grid of a cloud, in units of its diagonal."""
     found = estimate_surface(points / np.linalg.norm(np.ptp(points, axis=0)))
     return found, voxel_grid(found, None, boundary_penalty=0.15)
 
 
 @pytest.fixture(scope="module")
-def twins():
-    """One half of an object and its mirror image, point for point."""
+def exact_sample():
+    """A cloud whose points all have an exact mirror image in it."""
     half = generate("quadruped", num_points=2_400, rng=0).points
     half = half[half[:, 0] > 0]
-    return around_of(np.concatenate([half, half * [-1, 1, 1]]))
+    return surface_and_grid(np.concatenate([half, half * [-1, 1, 1]]))
 
 
 @pytest.fixture(scope="module")
 def random_sample():
-    """Independent points of a symmetric object: no point has its twin."""
-    return around_of(generate("quadruped", num_points=2_000, rng=0).points)
+    """Random points of a symmetric object: none has an exact mirror image among them."""
+    return surface_and_grid(generate("quadruped", num_points=2_000, rng=0).points)
 
 
 def turned(degrees, shift=0.0):
@@ -39,17 +39,17 @@ def turned(degrees, shift=0.0):
     return Plane(np.array([np.cos(angle), 0.6 * np.sin(angle), 0.8 * np.sin(angle)]), np.float64(shift))
 
 
-def test_every_twin_is_its_own_partner_and_agrees(twins):
-    found = score_plane(TRUE, *twins)
-    points = twins[0].points
+def test_every_point_agrees_with_its_exact_mirror_image(exact_sample):
+    found = score_plane(TRUE, *exact_sample)
+    points = exact_sample[0].points
     np.testing.assert_allclose(points[found.partner], points * [-1, 1, 1], atol=1e-12)
     np.testing.assert_array_equal(found.partner[found.partner], np.arange(len(points)))
     assert found.score > 0.99
     assert np.median(found.agreement) > 0.999
 
 
-def test_a_wrong_plane_scores_little(twins, random_sample):
-    for around in (twins, random_sample):
+def test_a_wrong_plane_scores_low(exact_sample, random_sample):
+    for around in (exact_sample, random_sample):
         true = score_plane(TRUE, *around).score
         assert true > 0.85
         for plane in (turned(30), turned(90), Plane(TRUE.normal, np.float64(0.1))):
@@ -63,14 +63,14 @@ def test_the_score_falls_as_the_plane_leaves_the_truth(random_sample):
     assert (np.diff(by_shift) < 0).all()
 
 
-def test_a_plane_far_away_scores_nothing(random_sample):
+def test_a_plane_far_away_scores_zero(random_sample):
     found = score_plane(Plane(TRUE.normal, np.float64(10.0)), *random_sample)
     assert found.score < 1e-9
     assert found.weight.min() > 0
 
 
 @pytest.mark.parametrize("degrees", [0, 20, 70])
-def test_a_plane_and_its_opposite_have_one_score(random_sample, degrees):
+def test_both_orientations_of_a_plane_have_the_same_score(random_sample, degrees):
     plane = turned(degrees, 0.03)
     one, other = (score_plane(p, *random_sample) for p in (plane, Plane(-plane.normal, -plane.offset)))
     np.testing.assert_array_equal(one.partner, other.partner)
@@ -90,8 +90,8 @@ def test_the_partner_is_the_nearest_neighbour_of_the_mirror_image(random_sample)
     assert (found.weight <= around.confidence + 1e-12).all()
 
 
-def test_the_agreement_falls_with_height_distance_and_turn_of_the_normal(rng):
-    # a flat sheet at x = 1 and a few probes at x < 0, whose images are lifted, shifted and tilted by known amounts
+def test_the_agreement_falls_with_height_distance_and_angle_between_normals(rng):
+    # a flat sheet at x = 1, and points at x < 0 whose mirror images are lifted, tilted or shifted by known amounts
     sheet = np.c_[np.ones(400), rng.uniform(-1, 1, size=(400, 2))]
     lift, tilt = np.array([0.0, 0.02, 0.0, 0.0]), np.radians([0, 0, 40, 0])
     beside = np.array([0.0, 0.0, 0.0, 1.0])
@@ -102,14 +102,14 @@ def test_the_agreement_falls_with_height_distance_and_turn_of_the_normal(rng):
     image = probes * [-1, 1, 1]
     off = image - around.points[found.partner]
     along = np.linalg.norm(off[:, 1:], axis=1)
-    expected = np.exp(-0.5 * (off[:, 0] / (TOLERANCES * around.tolerance)) ** 2)
+    expected = np.exp(-0.5 * (off[:, 0] / (HEIGHT_SCALE * around.tolerance)) ** 2)
     expected *= np.exp(-0.5 * np.maximum(along / around.spacing - SLACK, 0) ** 2) * np.cos(tilt) ** 2
     np.testing.assert_allclose(found.agreement, expected, rtol=1e-6, atol=1e-9)
     assert found.agreement[0] > 0.99
     assert (found.agreement[1:] < 0.97).all()
 
 
-def test_points_on_the_plane_count_nothing(random_sample):
+def test_points_on_the_plane_have_no_weight(random_sample):
     around, _ = random_sample
     height = np.abs(around.points[:, 0])
     weight = score_plane(TRUE, *random_sample).weight / around.confidence
@@ -117,7 +117,7 @@ def test_points_on_the_plane_count_nothing(random_sample):
     assert weight[height > 4 * around.spacing].min() > 0.99
 
 
-def test_some_rows_agree_as_they_do_among_all(random_sample):
+def test_some_rows_have_the_same_agreement_as_among_all(random_sample):
     rows = np.arange(0, 2_000, 3)
     some, every = score_plane(turned(5), *random_sample, rows), score_plane(turned(5), *random_sample)
     for part, whole in zip(some, every, strict=True):
@@ -131,16 +131,16 @@ def test_the_score_is_agreement_over_agreement_and_penalty():
     assert found.score_of(np.ones(3)) == pytest.approx(1)
     assert found.score_of(np.zeros(3)) == 0
     assert found._replace(weight=np.zeros(3)).score == 0
-    # where there is no penalty, what agrees decides alone
+    # without a penalty, the score is 1 as soon as anything agrees
     assert found._replace(penalty=np.zeros(3)).score == pytest.approx(1)
 
 
 def exactness_of(points, plane):
-    around, grid = around_of(points)
+    around, grid = surface_and_grid(points)
     return exactness(plane, around, score_plane(plane, around, grid), fit_quadrics(around))
 
 
-def test_exactness_is_high_where_the_symmetry_is_exact_whatever_the_noise():
+def test_exactness_is_high_for_an_exact_symmetry_whatever_the_noise():
     points = generate("quadruped", num_points=3_000, rng=0).points
     assert exactness_of(points, TRUE) > 0.55
     assert exactness_of(add_noise(points, 0.005, 1), TRUE) > 0.55
@@ -148,14 +148,14 @@ def test_exactness_is_high_where_the_symmetry_is_exact_whatever_the_noise():
 
 
 @pytest.mark.parametrize("kind", ["tree", "hand", "scrap"])
-def test_exactness_is_low_where_there_is_no_symmetry(kind):
+def test_exactness_is_low_without_a_symmetry(kind):
     points = generate(kind, num_points=2_000, rng=0).points
     points = points - points.mean(axis=0)
     for normal in np.linalg.eigh(np.cov(points.T))[1].T:
         assert exactness_of(points, Plane(normal, np.float64(0.0))) < 0.35
 
 
-def test_exactness_sees_what_the_score_forgives(random_sample):
+def test_exactness_falls_by_an_offset_that_hardly_changes_the_score(random_sample):
     around, grid = random_sample
     local = fit_quadrics(around)
     exact, off = (score_plane(plane, around, grid) for plane in (TRUE, turned(0, 0.002)))

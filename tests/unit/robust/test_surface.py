@@ -1,4 +1,4 @@
-"""Normals, spacing, thickness, boundary and point confidence of clouds whose surface is known in closed form."""
+"""Surface estimation, compared with surfaces that are known in closed form."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def on_sphere(rng, count):
 
 
 def sheet(rng, count, noise=0.0):
-    """A square of unit side, with noise across it."""
+    """Returns points of a unit square, with noise along its normal."""
     return np.c_[rng.uniform(size=(count, 2)), noise * rng.normal(size=count)]
 
 
@@ -23,7 +23,7 @@ def degrees(a, b):
 
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0, 1.0), (1.0, 0.7, 0.5)])
-def test_normals_of_an_ellipsoid_are_its_gradient(rng, radii):
+def test_normals_of_an_ellipsoid_are_those_of_its_gradient(rng, radii):
     unit = on_sphere(rng, 3_000)
     truth = unit / np.array(radii)
     truth /= np.linalg.norm(truth, axis=1, keepdims=True)
@@ -38,7 +38,7 @@ def test_more_points_give_better_normals(rng):
     few, many = (
         np.median(degrees(estimate_surface(p).normals, p)) for p in (on_sphere(rng, 800), on_sphere(rng, 6_400))
     )
-    # the error goes with the spacing
+    # the error is proportional to the spacing
     assert many < 0.6 * few
 
 
@@ -59,9 +59,9 @@ def test_a_flat_sheet_has_no_thickness_and_full_confidence(rng):
 
 
 @pytest.mark.parametrize("noise", [0.006, 0.01, 0.015])
-def test_thickness_is_the_noise_and_said_to_be_noise(rng, noise):
+def test_the_thickness_of_a_noisy_sheet_is_its_noise(rng, noise):
     found = estimate_surface(sheet(rng, 3_000, noise))
-    # sixteen or more neighbours' variance about their own best plane is biased low
+    # the variance of 16 or more neighbours about their own best plane is biased low
     assert 0.7 < found.thickness / noise < 1.05
     assert estimate_surface(sheet(rng, 3_000, 0.01)).noisy
 
@@ -80,7 +80,7 @@ def test_noise_of_one_per_cent_is_noise_and_curvature_is_not(kind):
     assert estimate_surface(add_noise(points, 0.02, 0)).noisy
 
 
-def test_the_boundary_is_a_hemispheres_edge(rng):
+def test_the_edge_of_a_hemisphere_is_its_boundary(rng):
     points = on_sphere(rng, 6_000)
     points = points[points[:, 2] > 0]
     boundary = estimate_surface(points).boundary
@@ -88,7 +88,7 @@ def test_the_boundary_is_a_hemispheres_edge(rng):
     assert boundary[points[:, 2] > 0.2].mean() < 0.02
 
 
-def test_the_boundary_is_a_squares_edge_and_a_holes(rng):
+def test_the_edges_of_a_square_and_of_its_hole_are_the_boundary(rng):
     points = sheet(rng, 4_000)
     radius = np.linalg.norm(points[:, :2] - 0.5, axis=1)
     points, radius = points[radius > 0.2], radius[radius > 0.2]
@@ -99,14 +99,14 @@ def test_the_boundary_is_a_squares_edge_and_a_holes(rng):
     assert boundary[(border > 0.08) & (radius > 0.28)].mean() < 0.02
 
 
-def test_a_closed_surface_has_hardly_a_boundary(rng):
+def test_a_closed_surface_has_almost_no_boundary(rng):
     assert estimate_surface(on_sphere(rng, 2_000)).boundary.mean() < 0.01
 
 
-def test_confidence_is_low_in_strays_and_high_on_the_surface(rng):
-    stray = rng.uniform(-1, 1, size=(200, 3))
-    stray = stray[np.abs(np.linalg.norm(stray, axis=1) - 1) > 0.2]
-    confidence = estimate_surface(np.vstack([on_sphere(rng, 2_000), stray])).confidence
+def test_confidence_is_low_for_outliers_and_high_on_the_surface(rng):
+    outliers = rng.uniform(-1, 1, size=(200, 3))
+    outliers = outliers[np.abs(np.linalg.norm(outliers, axis=1) - 1) > 0.2]
+    confidence = estimate_surface(np.vstack([on_sphere(rng, 2_000), outliers])).confidence
     assert np.quantile(confidence[:2_000], 0.05) > 0.9
     assert np.median(confidence[2_000:]) < 0.1
     assert np.quantile(confidence[2_000:], 0.95) < 0.4
@@ -114,10 +114,10 @@ def test_confidence_is_low_in_strays_and_high_on_the_surface(rng):
     assert confidence.max() <= 1
 
 
-def test_strays_hardly_turn_the_normals_beside_them(rng):
-    points, stray = on_sphere(rng, 2_000), on_sphere(rng, 400)
-    stray *= 1 + rng.uniform(0.03, 0.3, size=(400, 1))
-    found = estimate_surface(np.vstack([points, stray]))
+def test_outliers_hardly_turn_the_normals_beside_them(rng):
+    points, outliers = on_sphere(rng, 2_000), on_sphere(rng, 400)
+    outliers *= 1 + rng.uniform(0.03, 0.3, size=(400, 1))
+    found = estimate_surface(np.vstack([points, outliers]))
     off = degrees(found.normals[:2_000], points)
     assert np.median(off) < 2
     assert np.quantile(off, 0.9) < 5
@@ -136,7 +136,7 @@ def test_given_normals_are_used_whatever_their_length_and_orientation(rng):
     assert np.median(estimate_surface(points, normals=wrong).confidence) < 0.5 < np.median(right.confidence)
 
 
-def test_the_surface_turns_and_grows_with_the_cloud(rng):
+def test_the_surface_is_equivariant_under_similarities(rng):
     points = generate("quadruped", num_points=1_500, rng=0).points
     turn = random_orthogonal(rng)
     one, other = estimate_surface(points), estimate_surface(7 * points @ turn.T + 3)

@@ -1,4 +1,4 @@
-"""Where a scan was taken from, and where it saw that there is nothing."""
+"""The viewpoint of a scan from one side, and the non-match penalty of its depth image."""
 
 import tracemalloc
 from functools import cache
@@ -33,7 +33,7 @@ def viewpoint_of(points):
 
 
 def scan_from(points, direction):
-    """What is seen from two diagonals away, and the viewpoint."""
+    """Returns the points that are visible from two diagonals away in a direction, and the viewpoint."""
     at = points.mean(axis=0) + 2 * np.linalg.norm(np.ptp(points, axis=0)) * direction / np.linalg.norm(direction)
     return scan(points, viewpoint=at)[0], at
 
@@ -44,11 +44,11 @@ def degrees(a, b):
 
 @pytest.mark.parametrize("seed", [101, 102])
 @pytest.mark.parametrize("kind", ["quadruped", "human", "teapot", "car", "ball", "head", "tree", "hand"])
-def test_a_scan_tells_where_it_was_taken_from(kind, seed):
+def test_the_viewpoint_of_a_scan_is_found(kind, seed):
     points, at = scan_from(object_of(kind), np.random.default_rng(seed).normal(size=3))
     found = viewpoint_of(points)
     assert found is not None
-    # a wrong side would be off by more than 90
+    # the opposite direction would be off by more than 90°
     assert degrees(found.towards, at - found.middle) < 25
     assert np.linalg.norm(found.towards) == pytest.approx(1)
 
@@ -58,22 +58,22 @@ def test_a_whole_object_has_no_viewpoint(kind):
     assert viewpoint_of(object_of(kind)) is None
 
 
-@pytest.mark.xfail(reason="at 1500 points and fewer, what hides lies between the pixels")
+@pytest.mark.xfail(reason="with 1500 points or fewer, thin parts that hide others do not fill their pixels")
 @pytest.mark.parametrize("kind", ["chair", "table"])
-def test_a_whole_object_of_few_points_has_no_viewpoint(kind):
+def test_a_whole_object_with_few_points_has_no_viewpoint(kind):
     assert viewpoint_of(object_of(kind, 1_500)) is None
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "teapot", "ball", "car"])
-def test_an_object_with_a_part_cut_off_has_none_either(kind):
+def test_a_cut_object_has_no_viewpoint(kind):
     assert viewpoint_of(remove_part(object_of(kind), 0.28, 3)[0]) is None
 
 
-def test_the_viewpoint_turns_and_grows_with_the_scan(rng):
+def test_the_viewpoint_is_equivariant_up_to_the_spacing_of_directions(rng):
     points, at = scan_from(object_of("quadruped"), np.array([0.3, -1.0, 0.5]))
     turn = random_orthogonal(rng)
     one, other = viewpoint_of(points), viewpoint_of(5 * points @ turn.T + 7)
-    # the directions that are tried stand still, about 14° apart
+    # the directions that are tried do not turn with the cloud; they are about 14° apart
     assert degrees(turn @ one.towards, other.towards) < 20
     assert other.pixel == pytest.approx(5 * one.pixel)
     assert degrees(turn @ (at - points.mean(axis=0)), other.towards) < 25
@@ -81,7 +81,7 @@ def test_the_viewpoint_turns_and_grows_with_the_scan(rng):
 
 @cache
 def seen_ball():
-    """A unit ball, seen from above, and its viewpoint."""
+    """Returns the visible points of a unit ball seen from above, and the viewpoint found for them."""
     rng = np.random.default_rng(3)
     ball = rng.normal(size=(6_000, 3))
     ball /= np.linalg.norm(ball, axis=1, keepdims=True)
@@ -90,16 +90,16 @@ def seen_ball():
 
 
 def inner(points, found):
-    """Points that are well inside the silhouette."""
+    """Returns the points that are well inside the silhouette."""
     return points[np.linalg.norm(points - (points @ found.towards)[:, None] * found.towards, axis=1) < 0.8]
 
 
-def test_what_is_in_front_of_the_seen_surface_is_empty():
+def test_space_in_front_of_the_visible_surface_is_empty():
     points, found = seen_ball()
     assert np.mean(found.penalty(inner(points, found) + 0.5 * found.towards) == PENALTY_EMPTY) > 0.98
 
 
-def test_nothing_is_known_behind_the_seen_surface():
+def test_space_behind_the_visible_surface_has_the_lowest_penalty():
     points, found = seen_ball()
     seen = inner(points, found)
     assert np.mean(found.penalty(seen - 0.5 * found.towards) == PENALTY_BEHIND) > 0.98
@@ -107,7 +107,7 @@ def test_nothing_is_known_behind_the_seen_surface():
     assert np.mean(found.penalty(-seen) == PENALTY_BEHIND) > 0.9
 
 
-def test_beside_the_silhouette_there_is_nothing(rng):
+def test_space_beside_the_silhouette_is_empty(rng):
     _, found = seen_ball()
     beside = rng.normal(size=(500, 3))
     beside -= (beside @ found.towards)[:, None] * found.towards
@@ -116,14 +116,14 @@ def test_beside_the_silhouette_there_is_nothing(rng):
     np.testing.assert_array_equal(found.penalty(beside + 0.4 * found.towards), PENALTY_EMPTY)
 
 
-def test_at_the_surface_the_penalty_is_in_between():
+def test_the_penalty_at_the_surface_is_between_the_others():
     points, found = seen_ball()
-    # the depth of a pixel is the least around it: a slope of one in two lies behind it
+    # the depth of a pixel is the least of its neighbours, so that points on a slope lie behind it
     facing = points[points @ found.towards > 0.95]
     assert np.mean(found.penalty(facing) == PENALTY_AT_SURFACE) > 0.95
 
 
-def test_penalty_takes_one_of_three_values_everywhere(rng):
+def test_the_penalty_has_one_of_three_values_everywhere(rng):
     _, found = seen_ball()
     penalty = found.penalty(rng.uniform(-3, 3, size=(2_000, 3)))
     assert set(np.unique(penalty)) <= {PENALTY_BEHIND, PENALTY_AT_SURFACE, PENALTY_EMPTY}
@@ -131,7 +131,7 @@ def test_penalty_takes_one_of_three_values_everywhere(rng):
 
 
 def with_a_dense_spot(radius):
-    """Half an egg with its twin points about y = 0, most of them in a spot: the spacing is that of the spot."""
+    """Returns half an egg, exactly symmetric about y = 0, with most points in one spot, which sets the spacing."""
     rng = np.random.default_rng(5)
     even, spot = rng.normal(size=(600, 3)), np.array([0.6, 0.0, 0.8]) + radius * rng.normal(size=(1_500, 3))
     half = np.abs(np.vstack([even, spot]) * [0, 1, 1]) + np.vstack([even, spot]) * [1, 0, 0]
@@ -144,7 +144,7 @@ def with_a_dense_spot(radius):
 def test_the_depth_image_is_bounded_where_one_spot_is_far_denser_than_the_rest(radius):
     points = with_a_dense_spot(radius)
     surface = estimate_surface(points)
-    # an image of such pixels could fill any memory, and pixels could have numbers too large to be counted
+    # an image with pixels of two spacings could fill any memory, and its indices could overflow
     assert PIXEL * surface.spacing < FINEST_PIXEL * np.linalg.norm(np.ptp(points, axis=0))
     tracemalloc.start()
     found = find_viewpoint(surface)
