@@ -1,4 +1,9 @@
-"""The robust method: finds mirror planes by matching the reflected cloud with the cloud itself.
+"""The robust method: finds mirror planes by comparing the reflected cloud with the cloud itself.
+
+A plane reflects every point to its mirror image. The surface point nearest to the mirror image is the partner of the
+point. The point agrees with the plane if the mirror image lies on the partner's surface and has its normal direction.
+Otherwise it counts against the plane, by the non-match penalty at the mirror image. The penalty is low where a surface
+may have been missed: beyond a boundary, or in space hidden from the viewpoint of a scan from one side.
 
 `Robust.find` in `method` runs these stages in order. Lengths are in units of the cloud's diagonal.
 
@@ -6,8 +11,8 @@
    `visibility` decides whether the cloud is a scan from one side and from where it was taken. `voxel_grid` stores the
    nearest surface point of every voxel around the cloud, and the non-match penalty there.
 2. Search. `hypotheses` proposes about 7 000 planes. `search` scores all of them by the voxel grid and keeps the best.
-3. Registration. `registration` moves the kept planes until the reflected cloud lies on the cloud, as in ICP. `search`
-   then drops near-duplicates (`duplicates`) and scores the remaining candidates.
+3. Registration. `registration` moves these planes until the reflected cloud lies on the cloud: like ICP, but robust by
+   the L2E weights. `search` then drops `duplicates` and scores the remaining planes, the candidates.
 4. Refinement. `quadrics` fits a smooth patch around every point. `refinement` minimises the L2E criterion of the
    heights above these patches for the best candidates. `covariance` computes the standard errors.
 5. Scoring. `scoring` computes the score and the exactness of every refined candidate on all points. Together they give

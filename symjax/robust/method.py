@@ -38,24 +38,24 @@ class Robust:
 
     Attributes:
         init: an additional hypothesis, in the units of the given points; None for none. A wrong one does no harm.
-        use_point_confidence: whether points weigh less if they do not fit their neighbours' tangent planes: they are
-            outliers, or lie on edges. Otherwise all points weigh the same.
+        use_point_confidence: whether points weigh less if they do not fit their neighbours' tangent planes. Such points
+            are outliers or lie on edges. Otherwise all points weigh the same.
         use_visibility: whether to recognise a scan from one side. Mirror images in space that such a scan could not see
             hardly count against a plane. For all other clouds, only `boundary_penalty` excuses missing parts.
         boundary_penalty: non-match penalty of mirror images beyond the boundary of the surface, 0 to 1. Inside the
             surface it is 1. A low value means that a part that was not scanned counts little against a plane.
         use_normals: whether mirror images must agree with the surface in normal direction too, in the registration and
-            in the scores. Near an edge or across a thin part, the nearest point has a different normal.
+            in the scores. The nearest point on an unrelated surface, or across a thin part, has a different normal.
         num_pair_hypotheses: maximum number of hypotheses from pairs of points; 0 for none. On 36 generated clouds
             (whole, noisy, or cut with outliers) at least 1 of 1024, and 17 in the median, lay within 8° and 0.03
             diagonals of the true plane. From there the registration reaches it.
-        register: whether to move hypotheses to the optimum of the L2E criterion before they are compared. Neighbouring
-            hypotheses of the evenly spread ones differ by 7° and 0.04 diagonals, too much for a comparison.
+        register: whether to move hypotheses to the optimum of the L2E criterion before they are compared. The evenly
+            spread hypotheses are 7° and 0.04 diagonals apart, too far to compare them as they are.
         exact_scoring: whether to order candidates by scores with exact nearest neighbours. Otherwise their scores come
             from the voxel grid, whose neighbours are wrong by up to the diagonal of a voxel.
         max_refined: maximum number of candidates that are refined. A cube has nine mirror planes.
-        refine_above: share of the best score above which another candidate is refined too, since it may be another
-            mirror plane.
+        refine_above: share of the best refined candidate's score above which another candidate is refined too, since it
+            may be another mirror plane.
         refine: whether a candidate takes the refined plane. Otherwise it keeps its own, and only the standard errors
             and σ come from the refinement.
         use_exactness: whether the exactness counts in the ranking and the classification. Otherwise it is not computed.
@@ -64,8 +64,11 @@ class Robust:
             blurred by noise.
         chance_exactness: exactness that rough symmetries reach by chance, because a few parts agree exactly. Exactness
             below it is ignored.
-        inlier_agreement: agreement above which a pair is an inlier: half of the maximum.
+        inlier_agreement: agreement from which a pair counts as an inlier. The default is half of the maximum.
         found: the rule for the threshold that the score of a mirror plane must exceed.
+
+    Raises:
+        InvalidArgumentError: if an option has the wrong type or is out of range.
 
     Example:
         An ablation is the method with one option changed:
@@ -108,7 +111,7 @@ class Robust:
     found: FoundThresholds = field(default_factory=FoundThresholds)
 
     def __post_init__(self) -> None:
-        """Checks the options and normalises the initial plane; raises InvalidArgumentError for a bad option."""
+        """Checks the options and normalises the initial plane."""
         if self.init is not None:
             object.__setattr__(self, "init", _checked_plane(self.init))
         for name in ("boundary_penalty", "refine_above", "chance_exactness", "inlier_agreement"):
@@ -120,7 +123,9 @@ class Robust:
             if isinstance(switch.default, bool):
                 checks.flag(switch.name, getattr(self, switch.name))
         if not isinstance(self.found, FoundThresholds):
-            raise InvalidArgumentError(f"found must be FoundThresholds, not {self.found!r}")
+            raise InvalidArgumentError(
+                f"found must be a FoundThresholds, such as FoundThresholds(), not {self.found!r}"
+            )
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
         """Finds the mirror planes of a cloud.
@@ -137,7 +142,7 @@ class Robust:
         # JAX is only imported when it is needed
         from symjax.robust.search import candidates
 
-        prior = None if self.init is None else cloud.to_given.inverse().plane(self.init)
+        init = None if self.init is None else cloud.to_given.inverse().plane(self.init)
         with timer.stage("surface"):
             surface = estimate_surface(cloud.points, normals=cloud.normals, use_confidence=self.use_point_confidence)
             viewpoint = find_viewpoint(surface) if self.use_visibility and not surface.flat else None
@@ -148,7 +153,7 @@ class Robust:
                 grid,
                 rng,
                 num_pairs=self.num_pair_hypotheses,
-                prior=prior,
+                init=init,
                 register=self.register,
                 exact_scoring=self.exact_scoring,
                 use_normals=self.use_normals,

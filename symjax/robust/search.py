@@ -62,7 +62,7 @@ def candidates(
     rng: np.random.Generator,
     *,
     num_pairs: int,
-    prior: Plane | None = None,
+    init: Plane | None = None,
     register: bool = True,
     exact_scoring: bool = True,
     use_normals: bool = True,
@@ -74,7 +74,7 @@ def candidates(
         grid: the voxel grid around it.
         rng: random generator that draws pairs of points, and the points that are reflected.
         num_pairs: maximum number of hypotheses from pairs of points.
-        prior: an additional hypothesis.
+        init: an additional hypothesis; None for none.
         register: whether the hypotheses are registered; otherwise they are only scored, and the best are kept.
         exact_scoring: whether the candidates are scored with exact neighbours; otherwise their scores are those of the
             voxel grid.
@@ -84,22 +84,25 @@ def candidates(
         At most NUM_CANDIDATES candidates, the best first.
     """
     planes = hypotheses(surface, rng, num_pairs=num_pairs)
-    if prior is not None:
-        planes = Plane(np.vstack([prior.normal, planes.normal]), np.append(prior.offset, planes.offset))
+    if init is not None:
+        planes = Plane(np.vstack([init.normal, planes.normal]), np.append(init.offset, planes.offset))
     order = rng.permutation(len(surface.points))
     device_grid = jax.device_put(grid)
     probes = _probes(surface, order, ROUNDS[0].num_probes)
     score = _grid_scores(planes, RANKING_SIGMA, probes, device_grid, use_normals)
-    for stage in ROUNDS:
-        probes = _probes(surface, order, stage.num_probes)
+    for settings in ROUNDS:
+        probes = _probes(surface, order, settings.num_probes)
         best = np.argsort(-score, kind="stable")
-        best = best[: stage.num_planes] if stage is ROUNDS[0] else drop_duplicates(planes, best, stage.num_planes)
+        if settings is ROUNDS[0]:
+            best = best[: settings.num_planes]
+        else:
+            best = drop_duplicates(planes, best, settings.num_planes)
         # if there are fewer planes, some are repeated: with fixed shapes, few sizes are compiled
-        best = np.resize(best, stage.num_planes)
+        best = np.resize(best, settings.num_planes)
         planes = Plane(planes.normal[best], planes.offset[best])
         if register:
-            planes = _registered(planes, stage, probes, device_grid, use_normals)
-        score = _grid_scores(planes, stage.scoring_sigma, probes, device_grid, use_normals)
+            planes = _registered(planes, settings, probes, device_grid, use_normals)
+        score = _grid_scores(planes, settings.scoring_sigma, probes, device_grid, use_normals)
     kept = drop_duplicates(planes, np.argsort(-score, kind="stable"), NUM_CANDIDATES)
     found = [Plane(planes.normal[i], planes.offset[i]) for i in kept]
     scores = score[kept].tolist()
@@ -110,10 +113,12 @@ def candidates(
     return tuple(sorted(scored, key=lambda candidate: -candidate.score))
 
 
-def _registered(planes: Plane, stage: Round, probes: Probes, grid: VoxelGrid, use_normals: bool) -> Plane:
+def _registered(planes: Plane, settings: Round, probes: Probes, grid: VoxelGrid, use_normals: bool) -> Plane:
     """Registers planes in single precision and returns them in double precision."""
-    batch, sigmas = _as_batch(planes, slice(None)), np.array(stage.sigmas, np.float32)
-    moved = registration.register(batch, sigmas, probes, grid, point_share=stage.point_share, use_normals=use_normals)
+    batch, sigmas = _as_batch(planes, slice(None)), np.array(settings.sigmas, np.float32)
+    moved = registration.register(
+        batch, sigmas, probes, grid, point_share=settings.point_share, use_normals=use_normals
+    )
     normal, offset = (np.asarray(column, dtype=float) for column in moved)
     return Plane(normal / np.linalg.norm(normal, axis=1, keepdims=True), offset)
 

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 NUM_NEIGHBOURS = 32
 """Neighbours of a point for the boundary test. With fewer, a gap in a random sample looks like a boundary."""
 
-CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS = 16, NUM_NEIGHBOURS
+CLEAN_NORMAL_NEIGHBOURS, NOISY_NORMAL_NEIGHBOURS = 16, NUM_NEIGHBOURS
 """Neighbours from which a normal is estimated. A noisy surface needs more."""
 
 NOISY_THICKNESS = 0.25
@@ -20,8 +20,8 @@ NOISE_GROWTH = 1.5
 grow by a factor of 1.0 to 1.3 (measured); curvature by 2, in proportion to the area of the neighbourhood."""
 
 BOUNDARY_SHIFT = 0.3
-"""A point lies on the boundary if its distance from the mean of its neighbours exceeds this share of the
-neighbourhood's radius. The expected share is 0.42 at a straight edge and 0 inside, with a scatter of 0.1."""
+"""A point lies on the boundary if its distance from the mean of its neighbours, along the tangent plane, exceeds this
+share of the neighbourhood's radius. The share is 0.42 at a straight edge and 0 inside, with a scatter of 0.1."""
 
 CONFIDENCE_NEIGHBOURS = 8
 """Neighbours whose tangent planes a point is compared with."""
@@ -96,7 +96,7 @@ def estimate_surface(
     # the k-th neighbour of a Poisson sample of a plane is at √(k/π) spacings
     spacing = float(np.median(distances[:, 5]) / np.sqrt(6 / np.pi))
     noisy = _is_noisy(points, neighbours, spacing)
-    closest = neighbours[:, : NOISY_NEIGHBOURS if noisy else CLEAN_NEIGHBOURS]
+    closest = neighbours[:, : NOISY_NORMAL_NEIGHBOURS if noisy else CLEAN_NORMAL_NEIGHBOURS]
     confidence = np.ones(len(points))
     for _ in range(2):
         variance, unit_normals = _thinnest_direction(points, closest, confidence)
@@ -115,7 +115,7 @@ def _is_noisy(points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "n k
     equal_weights = np.ones(len(points))
     small, large = (
         float(np.median(np.sqrt(_thinnest_direction(points, neighbours[tested, :size], equal_weights)[0])))
-        for size in (CLEAN_NEIGHBOURS, NOISY_NEIGHBOURS)
+        for size in (CLEAN_NORMAL_NEIGHBOURS, NOISY_NORMAL_NEIGHBOURS)
     )
     return small > NOISY_THICKNESS * spacing and large < NOISE_GROWTH * small
 
