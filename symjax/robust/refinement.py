@@ -161,9 +161,10 @@ def refine(plane: Plane, surface: Surface, quadrics: Quadrics) -> Refinement:
 def _correspondences(
     z: Float[np.ndarray, " 4"], surface: Surface, quadrics: Quadrics
 ) -> tuple[Correspondences, Float[np.ndarray, " n"]]:
-    """Finds the partner of every point; returns the residuals, padded, and the weights without the padding.
+    """Finds the partner of every point; returns the correspondences, padded, and their weights without the padding.
 
-    The weight is 0 if the partner is far or on the boundary, and low if its normal disagrees.
+    The weight is 0 if the partner is far or on the boundary. It is low if the normals disagree, or if the point lies
+    near the plane.
     """
     plane = Plane(z[:3], z[3])
     height = np.asarray(plane.signed_distance(surface.points))

@@ -113,7 +113,7 @@ def test_the_covariance_is_symmetric_and_positive_definite(animal):
 
 
 @pytest.mark.parametrize("kind", ["quadruped", "chair"])
-def test_standard_errors_equal_the_scatter_over_new_samples(kind):
+def test_standard_errors_agree_with_the_scatter_over_new_samples(kind):
     solid = build(kind, 0)
     turns, shifts, claimed, distance = [], [], [], []
     for seed in range(25):
