@@ -1,10 +1,10 @@
-"""Objects with known mirror planes, generated or downloaded, and the corruptions that scans have.
+"""Objects with known mirror planes, generated or downloaded, and corruptions that make them look like scans.
 
 ```python
 sample = symjax.datasets.generate("mug", num_points=5000, rng=0)   # in its own frame
-posed = symjax.datasets.pose(sample, rng=1)                        # planes move along
+posed = symjax.datasets.pose(sample, rng=1)                        # in a random pose; the planes move along
 cloud = symjax.datasets.corrupt(posed.points, rng=2, outliers=1.0, missing=0.28)
-spot = symjax.datasets.load("spot")                                # a real model, from the internet
+spot = symjax.datasets.load("spot")                                # a real model, downloaded
 ```
 """
 

@@ -1,4 +1,4 @@
-"""The scan of `symjax demo`: made here, so that nothing is downloaded and the true plane is known."""
+"""The scan that `symjax demo` uses. It is generated, so nothing is downloaded and the true plane is known."""
 
 from typing import NamedTuple
 
@@ -13,25 +13,25 @@ from symjax.geometry.plane import Plane
 KIND = "quadruped"
 NUM_POINTS = 6000
 MISSING = 0.25
-"""Share of the surface that the scan lacks, one connected part."""
+"""Fraction of the points that is removed as one part."""
 NOISE = 0.002
 """Standard deviation of the noise in each coordinate, as a fraction of the diagonal."""
 OUTLIERS = 0.5
-"""Outliers in the scan's box per point of the scan."""
+"""Number of outliers per point of the object, uniform in its bounding box."""
 
 DESCRIPTION = (
-    f"A {KIND} of {NUM_POINTS} points: {MISSING:.0%} of it missing, noise {NOISE:.1%} of its size, and an outlier for "
-    f"every {1 / OUTLIERS:.0f} other points"
+    f"A {KIND} sampled at {NUM_POINTS} points, with {MISSING:.0%} of the points removed, noise of {NOISE:.1%} of the "
+    f"diagonal, and one outlier for every {1 / OUTLIERS:.0f} remaining points"
 )
 
 
 class DemoScan(NamedTuple):
-    """A partial, noisy cloud and the mirror plane of the object that it was taken from.
+    """A partial, noisy cloud and the mirror plane of its object.
 
     Attributes:
         points: the cloud.
         truth: the object's mirror plane.
-        up: the object's upright direction, for pictures: a random pose has none.
+        up: the object's upright direction after the random pose, for the pictures.
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -40,7 +40,7 @@ class DemoScan(NamedTuple):
 
 
 def make_scan(seed: int) -> DemoScan:
-    """A random object in a random pose, with a part missing, noise and outliers; the same for the same seed."""
+    """Generates a random object in a random pose, removes a part of it, and adds noise and outliers."""
     rng = np.random.default_rng(seed)
     upright = generate(KIND, num_points=NUM_POINTS, rng=rng)
     whole = pose(upright, rng)

@@ -1,4 +1,4 @@
-"""Originals of the real models over https: checked, and kept in the user's cache folder (pooch, which is an extra)."""
+"""Downloads of the real models over https, by pooch: verified, and kept in the user's cache folder."""
 
 import logging
 from collections.abc import Iterator
@@ -12,29 +12,29 @@ from symjax.errors import FileFormatError, InvalidArgumentError
 from symjax.io.cache_folder import cache_folder
 
 SCHEME = "https://"
-"""How an address must begin."""
+"""Required start of an address."""
 
 TIMEOUT = 30
-"""Seconds that the server may be silent."""
+"""Seconds to wait for the server's next data."""
 
 
 def fetch(name: str, original: Original) -> Path:
-    """The original's file on this machine, downloaded if it is not there or has another sha256.
+    """Returns the path of a model's file; downloads the file if it is absent or has another sha256.
 
-    It is kept as `models/NAME` with the original's extension, in $SYMJAX_CACHE or in `symjax` in the user's cache
-    folder, and appears there only when it is complete and right.
+    The file is `models/NAME` with the extension of the original, in $SYMJAX_CACHE or in the folder `symjax` of the
+    user's cache folder. It appears there only after the download is complete and verified.
 
     Args:
-        name: of the model.
-        original: its address and sha256.
+        name: name of the model.
+        original: address and sha256 of the published file.
 
     Raises:
-        InvalidArgumentError: pooch is not installed, or the address is not https.
-        FileFormatError: it cannot be downloaded or stored, or is not what was published.
+        InvalidArgumentError: if pooch is not installed, or the address does not begin with https.
+        FileFormatError: if the file cannot be downloaded or stored, or differs from the published one.
     """
     require_pooch()
     if not original.url.startswith(SCHEME):
-        raise InvalidArgumentError(f"{original.url} is not fetched: the address must begin with {SCHEME}")
+        raise InvalidArgumentError(f"cannot download {original.url}: the address must begin with {SCHEME}")
     import pooch
 
     file = f"models/{name}{PurePosixPath(urlsplit(original.url).path).suffix}"
@@ -47,26 +47,26 @@ def fetch(name: str, original: Original) -> Path:
     try:
         with _silent(pooch.get_logger()):
             return Path(cache.fetch(file, downloader=pooch.HTTPDownloader(timeout=TIMEOUT)))
-    # whatever goes wrong on the way is an OSError, a wrong hash a ValueError
+    # pooch raises OSError if the download fails, and ValueError if the hash differs
     except (OSError, ValueError) as error:
         reason = str(error).rstrip(".")
         raise FileFormatError(
-            f"cannot fetch {name!r}: {reason}; try again, or save {original.url} as {cache.abspath / file} yourself"
+            f"cannot download model {name!r}: {reason}; try again, or save {original.url} as {cache.abspath / file}"
         ) from error
 
 
 def require_pooch() -> None:
-    """Raises InvalidArgumentError where pooch is not installed."""
+    """Raises InvalidArgumentError if pooch is not installed."""
     if find_spec("pooch") is None:
         raise InvalidArgumentError(
-            'a download needs pooch, which is not installed: pip install "pooch>=1.8", '
-            'or symjax with its extra, pip install ".[datasets]" in the checkout'
+            'downloading a model needs pooch, which is not installed: run pip install "pooch>=1.8", '
+            'or pip install ".[datasets]" in the checkout'
         )
 
 
 @contextmanager
 def _silent(logger: logging.Logger) -> Iterator[None]:
-    """A library does not write to stderr about what went well."""
+    """Silences the messages about successful downloads that pooch writes to stderr."""
     level = logger.level
     logger.setLevel(logging.WARNING)
     try:

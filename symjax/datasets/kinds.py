@@ -1,4 +1,4 @@
-"""The kinds of object, and clouds sampled from them."""
+"""The kinds of generated objects, and the function that samples them."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,19 +10,32 @@ from symjax.datasets.solids import animals, asymmetric, furniture, household, pe
 from symjax.datasets.solids.solid import Solid
 from symjax.datasets.solids.surface import sample_surface
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice
 
 Build = Callable[[np.random.Generator], Solid]
 
 
 class Kind(NamedTuple):
-    """A family of random solids and the symmetry that all of them share."""
+    """A family of random solids that all have the same type of symmetry.
+
+    Attributes:
+        symmetry: type of the symmetry. "single" means exactly one mirror plane; "multiple", a finite number of them;
+            "continuous", every plane through an axis; "none", no mirror plane.
+        build: function that makes a random solid of this kind from a generator.
+
+    Example:
+        >>> import symjax
+        >>> kind = symjax.datasets.KINDS["drum"]
+        >>> kind.symmetry, kind.description
+        ('continuous', 'Cylinder: an axis and a plane across it.')
+    """
 
     symmetry: Symmetry
     build: Build
 
     @property
     def description(self) -> str:
-        """What it is, in a line."""
+        """One line that describes the kind."""
         return (self.build.__doc__ or "").strip()
 
 
@@ -78,33 +91,56 @@ _FAMILIES: dict[Symmetry, tuple[Build, ...]] = {
 KINDS: dict[str, Kind] = {
     build.__name__: Kind(symmetry, build) for symmetry, family in _FAMILIES.items() for build in family
 }
-"""Every kind by name; `KINDS[name].symmetry`, `KINDS[name].description`."""
+"""All kinds, by name."""
 
 
 def build(kind: str, rng: int | np.random.Generator = 0) -> Solid:
-    """The solid whose surface `generate` samples when it is given the same seed.
+    """Builds the solid whose surface `generate` samples for the same seed.
+
+    Args:
+        kind: a key of `KINDS`.
+        rng: seed or generator of the solid's proportions.
+
+    Returns:
+        The solid, in its own frame.
 
     Raises:
-        InvalidArgumentError: There is no such kind.
+        InvalidArgumentError: if the kind is unknown.
+
+    Example:
+        >>> import numpy as np
+        >>> import symjax
+        >>> solid = symjax.datasets.build("ball")
+        >>> solid.field(np.zeros((3, 1))) < 0  # the origin is inside the ball
+        array([ True])
     """
-    if kind not in KINDS:
-        raise InvalidArgumentError(f"no kind {kind!r}: choose one of {', '.join(KINDS)}")
+    choice("kind", kind, KINDS)
     return KINDS[kind].build(np.random.default_rng(rng))
 
 
 def generate(kind: str, *, num_points: int = 5000, rng: int | np.random.Generator = 0) -> Sample:
-    """A random object of a kind, in its own frame (mirror x = 0 where there is one, z up, about unit size).
+    """Generates a random object of a kind and samples its surface.
 
-    The points are independent and uniform by area on the outer surface, so the mirror image of a point is not
-    among them; the planes are exact.
+    The object is in its own frame: its mirror plane, if it has exactly one, is x = 0; z points up; its size is about 1.
+    The points are independent and uniform by area on the outer surface. The sample therefore does not contain
+    the mirror images of its points. The planes are exact.
 
     Args:
-        kind: A key of `KINDS`.
-        num_points: Number of points.
-        rng: Seed or generator: of the object's proportions and of the points.
+        kind: a key of `KINDS`.
+        num_points: number of points.
+        rng: seed or generator of the object's proportions and of the points.
+
+    Returns:
+        The points, and the mirror planes of the object.
 
     Raises:
-        InvalidArgumentError: There is no such kind, or num_points is below 1.
+        InvalidArgumentError: if the kind is unknown, or `num_points` is below 1.
+
+    Example:
+        >>> import symjax
+        >>> sample = symjax.datasets.generate("cube", num_points=500)
+        >>> sample.points.shape, len(sample.planes)
+        ((500, 3), 9)
     """
     if num_points < 1:
         raise InvalidArgumentError(f"num_points must be at least 1, got {num_points}")

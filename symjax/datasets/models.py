@@ -1,4 +1,4 @@
-"""Real models, as published: a surface or a scan, points on it, and the mirror plane where one is known."""
+"""Real models: a published mesh or scan, points on its surface, and its mirror plane if that is known."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +9,7 @@ from jaxtyping import Float
 from symjax.datasets.download import fetch
 from symjax.datasets.registry import MODELS
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice
 from symjax.geometry.plane import Plane
 from symjax.io import mesh
 from symjax.io.points import MESHES, NUM_SAMPLES, read_points
@@ -18,13 +19,18 @@ class Model(NamedTuple):
     """A real model in its own frame and units.
 
     Attributes:
-        points: uniform by area on a mesh; a scan's own.
-        surface: vertices and triangles; a scan has no triangles.
-        plane: the mirror plane; None if no one plane is known.
-        symmetry: how exact the plane is, or why none is given: "exact", "approximate", "no symmetry", ...
-        licence: of the model; it may ask that the attribution be given.
-        attribution: whom to name.
-        path: the file as it was published.
+        points: points uniform by area on the mesh, or the points of the scan.
+        surface: vertices and triangles of the mesh; a scan has no triangles.
+        plane: the mirror plane; None if no single plane is known.
+        symmetry: how exact the plane is ("exact", "approximate", …), or why no plane is given ("no symmetry", …).
+        licence: licence of the model; it may require the attribution.
+        attribution: names of the authors.
+        path: the published file, in the cache folder.
+
+    Example:
+        >>> import symjax
+        >>> symjax.datasets.Model._fields
+        ('points', 'surface', 'plane', 'symmetry', 'licence', 'attribution', 'path')
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -37,22 +43,32 @@ class Model(NamedTuple):
 
 
 def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Generator = 0) -> Model:
-    """A real model; its original is downloaded on first use and kept in the user's cache folder.
+    """Loads a real model. The first call downloads it; later calls read it from the user's cache folder.
 
-    Needs pooch (the extra `datasets`), and the internet the first time. The file is the one whose plane is known:
-    another sha256 is refused.
+    Needs pooch (the extra `datasets`). The plane is known for one version of each file, so a file with another
+    sha256 is refused.
 
     Args:
         name: a key of `MODELS`.
-        num_samples: points to sample from a mesh; a scan is taken as it is.
+        num_samples: number of points to sample from a mesh; a scan keeps its own points.
         rng: seed or generator of the sampling.
 
+    Returns:
+        The model, with its mirror plane if that is known.
+
     Raises:
-        InvalidArgumentError: there is no such model, `num_samples` is not positive, or pooch is not installed.
-        FileFormatError: the original cannot be downloaded or stored, or is not what was published.
+        InvalidArgumentError: if the model is unknown, `num_samples` is below 1, or pooch is not installed.
+        FileFormatError: if the file cannot be downloaded or stored, or differs from the published one.
+
+    Example:
+        >>> import symjax
+        >>> sorted(symjax.datasets.MODELS)[:4]
+        ['boat', 'boot', 'car6', 'cat']
+        >>> symjax.datasets.load("unicorn")
+        Traceback (most recent call last):
+        symjax.errors.InvalidArgumentError: model 'unicorn' is unknown: choose one of boat, boot, ...
     """
-    if name not in MODELS:
-        raise InvalidArgumentError(f"no model {name!r}: choose one of {', '.join(MODELS)}")
+    choice("model", name, MODELS)
     if num_samples < 1:
         raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
     original = MODELS[name]

@@ -1,4 +1,4 @@
-"""Pairs with a planted mirror plane: what the estimator is measured on. NumPy only."""
+"""Random pairs with a known mirror plane, to test the estimator on. NumPy only."""
 
 from typing import NamedTuple
 
@@ -6,10 +6,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import choice
 
 NOISE = 0.01
-# semi-axes of the blob along the mirror's normal and along two directions in the mirror
+"""Default standard deviation of the noise in each coordinate, for an ellipsoid of about unit radius."""
+
 SEMI_AXES = {"isotropic": (1.0, 1.0, 1.0), "thin": (0.4, 0.7, 1.0), "wide": (1.0, 0.7, 0.4)}
+"""Semi-axes of each ellipsoid: along the normal of the mirror plane, and along two directions within the plane."""
 
 
 class PlantedPairs(NamedTuple):
@@ -18,9 +21,9 @@ class PlantedPairs(NamedTuple):
     Attributes:
         x: one end of every pair.
         y: the other end.
-        normal: unit normal of the planted plane.
-        offset: its offset, normal · x = offset.
-        inlier: which pairs are mirror pairs.
+        normal: unit normal of the mirror plane `normal · x = offset`.
+        offset: offset of the mirror plane.
+        inlier: whether each pair is a mirror pair.
     """
 
     x: Float[np.ndarray, "n 3"]
@@ -30,7 +33,8 @@ class PlantedPairs(NamedTuple):
     inlier: Bool[np.ndarray, " n"]
 
 
-def _in_ball(rng: np.random.Generator, num: int) -> Float[np.ndarray, "num 3"]:
+def _in_ball(rng: np.random.Generator, num: int) -> Float[np.ndarray, "{num} 3"]:
+    """Returns random points, uniform in the unit ball."""
     direction = rng.normal(size=(num, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     return direction * rng.random((num, 1)) ** (1 / 3)
@@ -45,29 +49,30 @@ def planted_pairs(
     noise: float = NOISE,
     shift: float = 1.0,
 ) -> PlantedPairs:
-    """Mirror pairs in an ellipsoid of unit radius halved by its mirror, and outlier pairs beside them.
+    """Draws mirror pairs and outlier pairs in an ellipsoid whose longest semi-axis is 1.
 
-    Of a mirror pair, x is uniform in the ellipsoid and y its mirror image plus normal noise; both ends of an
-    outlier pair are independent and uniform in the ellipsoid. The pose is a random rotation and shift.
+    The mirror plane contains the ellipsoid's centre and two of its axes. In a mirror pair, x is uniform in the
+    ellipsoid, and y is its mirror image plus Gaussian noise. In an outlier pair, x and y are independent and uniform
+    in the ellipsoid. The ellipsoid is rotated and shifted at random.
 
     Args:
-        rng: generator of the randomness.
+        rng: generator of the pairs and the pose.
         num_pairs: number of pairs.
-        outliers: share of the pairs that are outliers, rounded to a whole number of pairs.
-        blob: "isotropic" (a ball), "thin" (thinnest across its mirror) or "wide" (widest across it).
-        noise: standard deviation of each coordinate of y.
+        outliers: fraction of outlier pairs, rounded to a whole number of pairs.
+        blob: shape of the ellipsoid: "isotropic" (a ball), "thin" (shortest axis along the normal) or "wide" (longest
+            axis along the normal).
+        noise: standard deviation of the noise in each coordinate of y.
         shift: standard deviation of each coordinate of the ellipsoid's centre.
 
     Returns:
         The pairs, outliers first, and the plane.
 
     Raises:
-        InvalidArgumentError: for an unknown blob or a share outside 0 to 1.
+        InvalidArgumentError: if the blob is unknown, or `outliers` is not in [0, 1].
     """
-    if blob not in SEMI_AXES:
-        raise InvalidArgumentError(f"blob {blob!r} is unknown: choose one of {', '.join(SEMI_AXES)}")
+    choice("blob", blob, SEMI_AXES)
     if not 0 <= outliers <= 1:
-        raise InvalidArgumentError(f"outliers must be a share between 0 and 1, not {outliers}")
+        raise InvalidArgumentError(f"outliers must be a fraction between 0 and 1, got {outliers}")
     axes = np.asarray(SEMI_AXES[blob])
     x = _in_ball(rng, num_pairs) * axes
     y = x * [-1, 1, 1] + noise * rng.normal(size=x.shape)

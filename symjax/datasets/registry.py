@@ -1,4 +1,4 @@
-"""The real models that can be downloaded: where each comes from, and what is known of its symmetry."""
+"""The real models that can be downloaded: their sources, and their known mirror planes."""
 
 import json
 from importlib.resources import files
@@ -10,17 +10,23 @@ from symjax.geometry.plane import Plane
 
 
 class Original(NamedTuple):
-    """A published file, pinned to one version of it, and its mirror plane.
+    """One version of a published file, and its mirror plane.
 
     Attributes:
-        url: address.
-        sha256: of the file, in hexadecimal.
-        num_bytes: size of the download.
-        licence: of the model; it may ask that the attribution be given.
-        attribution: whom to name.
-        normal: unit normal of the mirror plane; None if no one plane is known.
-        offset: of the plane, in the file's own units.
-        symmetry: how exact the plane is, or why none is given.
+        url: address of the file.
+        sha256: hash of the file, in hexadecimal.
+        num_bytes: size of the file in bytes.
+        licence: licence of the model; it may require the attribution.
+        attribution: names of the authors.
+        normal: unit normal of the mirror plane; None if no single plane is known.
+        offset: offset of the plane, in the units of the file; None if no single plane is known.
+        symmetry: how exact the plane is, or why no plane is given.
+
+    Example:
+        >>> import symjax
+        >>> spot = symjax.datasets.MODELS["spot"]
+        >>> spot.attribution, spot.licence, spot.normal, spot.symmetry
+        ('Keenan Crane', 'public domain', (1, 0, 0), 'exact')
     """
 
     url: str
@@ -34,7 +40,7 @@ class Original(NamedTuple):
 
     @property
     def plane(self) -> Plane | None:
-        """The mirror plane, in arrays of the caller's own."""
+        """The mirror plane as new arrays; None if no single plane is known."""
         if self.normal is None or self.offset is None:
             return None
         return Plane(np.array(self.normal, np.float64), np.array(self.offset, np.float64))
@@ -60,4 +66,4 @@ def _original(entry: dict[str, Any]) -> Original:
 
 
 MODELS: dict[str, Original] = _read()
-"""Every model by name; `MODELS[name].licence`, `MODELS[name].symmetry`."""
+"""All models, by name."""

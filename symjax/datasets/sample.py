@@ -1,4 +1,4 @@
-"""A cloud with its known planes, and its random pose."""
+"""Generated clouds with known mirror planes, and their random poses."""
 
 from typing import Literal, NamedTuple
 
@@ -14,9 +14,22 @@ Symmetry = Literal["single", "multiple", "continuous", "none"]
 
 
 class Sample(NamedTuple):
-    """Points of an object and its mirror planes `normals[i] . x = offsets[i]`, in the units of the points.
+    """Points on the surface of a generated object, and the object's mirror planes.
 
-    With an `axis` (point, direction) every plane through it is a mirror as well, and not among those listed.
+    Attributes:
+        points: the points.
+        normals: unit normals of the mirror planes `normals[i] · x = offsets[i]`.
+        offsets: offsets of the mirror planes, in the units of the points.
+        axis: a point on the axis of a continuous symmetry and the axis's direction, or None. Every plane through the
+            axis is a mirror plane; `normals` does not list these planes.
+        kind: name of the object's kind, a key of `KINDS`.
+        symmetry: type of the symmetry: "single", "multiple", "continuous" or "none" (see `Kind`).
+
+    Example:
+        >>> import symjax
+        >>> sample = symjax.datasets.generate("mug", num_points=500)
+        >>> sample.kind, sample.symmetry, sample.points.shape, sample.normals
+        ('mug', 'single', (500, 3), array([[1., 0., 0.]]))
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -33,7 +46,7 @@ class Sample(NamedTuple):
 
     @property
     def diagonal(self) -> float:
-        """Length of the diagonal of the axis-aligned bounding box; it changes with the pose."""
+        """Length of the diagonal of the axis-aligned bounding box. It depends on the pose."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
 
@@ -45,19 +58,31 @@ def pose(
     shift: float = 1.0,
     reflect: bool | None = None,
 ) -> Sample:
-    """The sample turned at random, perhaps reflected, scaled and shifted, its planes and axis with it.
+    """Rotates, scales and shifts a sample at random, and may reflect it. Its planes and its axis move along.
 
-    Corruptions come after this: a box of outliers along the object's own axes would be symmetric itself.
+    Corrupt a sample after this step, not before: a box of outliers along the object's own axes is symmetric itself.
 
     Args:
-        sample: A cloud and its planes.
-        rng: Seed or generator.
-        scale: Factor on all lengths.
-        shift: Standard deviation of each coordinate of the shift, in diagonals of the sample.
-        reflect: Whether the pose reverses handedness; None tosses a coin.
+        sample: a cloud and its planes.
+        rng: seed or generator of the pose.
+        scale: factor by which all lengths are multiplied.
+        shift: standard deviation of each coordinate of the shift, as a multiple of the sample's diagonal after scaling.
+        reflect: whether the pose reverses handedness; None decides at random.
+
+    Returns:
+        The posed sample.
 
     Raises:
-        InvalidArgumentError: The scale is not positive and finite.
+        InvalidArgumentError: if the scale is not positive and finite.
+
+    Example:
+        >>> import symjax
+        >>> sample = symjax.datasets.generate("mug", num_points=500)
+        >>> posed = symjax.datasets.pose(sample, rng=1, scale=2.0)
+        >>> before = sample.points @ sample.normals[0] - sample.offsets[0]
+        >>> after = posed.points @ posed.normals[0] - posed.offsets[0]
+        >>> print(f"{max(abs(after - 2 * before)):.6f}")
+        0.000000
     """
     if not 0 < scale < np.inf:
         raise InvalidArgumentError(f"scale must be positive and finite, got {scale}")
@@ -72,7 +97,7 @@ def pose(
 
 
 def random_orthogonal(rng: np.random.Generator, *, reflect: bool | None = None) -> Float[np.ndarray, "3 3"]:
-    """Orthogonal matrix of the Haar measure (Mezzadri 2007: QR of a normal matrix with R's signs undone)."""
+    """Draws an orthogonal matrix from the Haar measure, by QR of a Gaussian matrix with R's signs undone (Mezzadri)."""
     q, r = np.linalg.qr(rng.normal(size=(3, 3)))
     q = q * np.sign(np.diag(r))
     if reflect is not None and (np.linalg.det(q) < 0) != reflect:

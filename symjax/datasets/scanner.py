@@ -1,8 +1,8 @@
-"""A one-sided scanner: the points of a cloud that are visible from a viewpoint.
+"""A simulated scan from one side: the points of a cloud that are visible from a viewpoint.
 
-Katz, Tal and Basri, "Direct visibility of point sets", SIGGRAPH 2007: each point is flipped on its ray from the
-viewpoint, out to the far side of a large sphere; the visible points are those on the convex hull of the flipped
-ones and the viewpoint.
+The method is hidden point removal (Katz, Tal and Basri, "Direct visibility of point sets", SIGGRAPH 2007). Each
+point is flipped along its ray from the viewpoint to the outside of a large sphere. The visible points are those whose
+flipped images lie on the convex hull of all flipped points and the viewpoint.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ DISTANCE = 2.0
 """Distance of a random viewpoint from the centroid, in diagonals of the cloud."""
 
 FLIP_RADIUS = 10**2.5
-"""Radius of the sphere over the largest range. A larger one passes more points that are hidden, a smaller one
-drops more that are visible."""
+"""Radius of the sphere divided by the largest distance from the viewpoint. A larger radius keeps more hidden points;
+a smaller one drops more visible points."""
 
 
 def scan(
@@ -25,16 +25,27 @@ def scan(
     *,
     viewpoint: Float[np.ndarray, " 3"] | None = None,
 ) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, " m"]]:
-    """The points that a scanner sees, and their indices.
+    """Selects the points that are visible from one viewpoint, by hidden point removal.
 
     Args:
-        points: A cloud.
-        rng: Seed or generator of a random viewpoint, two diagonals from the centroid.
-        viewpoint: Where the scanner stands; by default it is random.
+        points: a cloud.
+        rng: seed or generator of the viewpoint; not used if `viewpoint` is given.
+        viewpoint: position of the scanner; by default, a random point two diagonals from the centroid.
+
+    Returns:
+        The visible points, and their indices in `points`, ascending.
 
     Raises:
-        TooFewPointsError: There are fewer than four points.
-        InvalidArgumentError: The viewpoint is one of the points.
+        TooFewPointsError: if there are fewer than four points.
+        InvalidArgumentError: if the viewpoint is one of the points.
+
+    Example:
+        >>> import numpy as np
+        >>> import symjax
+        >>> ball = symjax.datasets.generate("ball", num_points=500).points
+        >>> visible, index = symjax.datasets.scan(ball, viewpoint=np.array([0.0, 0.0, 4.0]))
+        >>> print(f"mean height: {abs(ball[:, 2].mean()):.1f} of all points, {visible[:, 2].mean():.1f} of the visible")
+        mean height: 0.0 of all points, 0.2 of the visible
     """
     if len(points) < 4:
         raise TooFewPointsError(f"a scan needs at least 4 points, got {len(points)}")
@@ -45,7 +56,7 @@ def scan(
     ray = points - viewpoint
     distance = np.linalg.norm(ray, axis=1, keepdims=True)
     if distance.min() == 0:
-        raise InvalidArgumentError(f"the viewpoint is point {int(distance.argmin())}: move it off the cloud")
+        raise InvalidArgumentError(f"the viewpoint coincides with point {int(distance.argmin())}: choose another")
     flipped = ray + 2 * (FLIP_RADIUS * distance.max() - distance) * ray / distance
     hull = ConvexHull(np.vstack([flipped, np.zeros(3)]))
     seen = np.sort(hull.vertices[hull.vertices < len(points)])

@@ -1,1 +1,1 @@
-"""symjax/datasets/solids."""
+"""The solids whose surfaces `symjax.datasets.generate` samples, as signed distance functions."""
