@@ -1,21 +1,21 @@
-"""Animals with one mirror plane, x = 0; y points ahead, z up. Joints are filleted."""
+"""Animals with one mirror plane, x = 0. y points forward and z up; joints are filleted."""
 
 import numpy as np
 
-from symjax.datasets.solids.csg import move, turn, union
+from symjax.datasets.solids.csg import rotate, translate, union
 from symjax.datasets.solids.primitives import Field, capsule, ellipsoid, plate, sphere, tube
 from symjax.datasets.solids.solid import Solid, mirrored
 
 
 def quadruped(rng: np.random.Generator) -> Solid:
-    """Four-legged animal, from dachshund to giraffe: trunk, legs, neck, head with ears or horns, tail."""
+    """Four-legged animal, from dachshund to giraffe: trunk, legs, neck, tail, and a head with ears, some with horns."""
     return mirrored(torso_and_legs(rng), head_and_neck(rng), blend=0.06)
 
 
 def torso_and_legs(rng: np.random.Generator, stride: float = 0.0, swing: float = 0.0) -> Field:
-    """Trunk, tail and the legs of the right side.
+    """Makes the trunk, the tail and the legs of the right side.
 
-    `stride` moves the front leg ahead and the hind leg back; `swing` moves the end of the tail to the right.
+    `stride` moves the front foot forward and the hind foot back; `swing` moves the end of the tail to the right.
     """
     w, length, h = rng.uniform(0.16, 0.3), rng.uniform(0.4, 0.75), rng.uniform(0.3, 0.9)
     r, hoof = rng.uniform(0.05, 0.09), rng.uniform(0.06, 0.1)
@@ -37,7 +37,7 @@ def torso_and_legs(rng: np.random.Generator, stride: float = 0.0, swing: float =
 
 
 def head_and_neck(rng: np.random.Generator) -> Field:
-    """Neck, skull, snout, and the ear, eye and horn of the right side."""
+    """Makes the neck, the skull, the snout, and the ear, eye and (sometimes) horn of the right side."""
     chest = np.array([0, 0.5, 0.1])
     neck, pitch = rng.uniform(0.25, 0.8), np.radians(rng.uniform(25, 75))
     top = chest + neck * np.array([0, np.cos(pitch), np.sin(pitch)])
@@ -56,7 +56,7 @@ def head_and_neck(rng: np.random.Generator) -> Field:
 
 
 def fish(rng: np.random.Generator) -> Solid:
-    """Fish, thin across its mirror: body, forked tail, back fin, breast fins, eyes."""
+    """Fish, thinnest along its normal: body, forked tail, dorsal, ventral and pectoral fins, eyes."""
     w, length, h = rng.uniform(0.12, 0.26), rng.uniform(0.7, 1.0), rng.uniform(0.25, 0.5)
     tail = rng.uniform(0.25, 0.5)
     caudal = np.array([[0.1, 0], [-0.3, tail], [-0.18, 0], [-0.3, -tail * rng.uniform(0.5, 1)]])
@@ -64,7 +64,7 @@ def fish(rng: np.random.Generator) -> Solid:
     dorsal = np.array([[start, 0.4 * h], [-0.5 * length, 0.2 * h], [start - 0.35, h + rng.uniform(0.1, 0.35)]])
     belly = np.array([[0.1, -0.5 * h], [-0.35, -0.5 * h], [-0.3, -h - 0.15]])
     breast = np.array([[0, 0.12], [0.0, -0.08], [0.3, -0.22], [0.35, -0.1]]) * rng.uniform(0.8, 1.5)
-    wing = move(plate(breast, (0, 1), 0, 0.025, 0.01), (0.6 * w, 0.35 * length, -0.25 * h))
+    wing = translate(plate(breast, (0, 1), 0, 0.025, 0.01), (0.6 * w, 0.35 * length, -0.25 * h))
     parts = [
         union(
             ellipsoid((0, 0.4 * length, -0.05), (w, 0.65 * length, h)),
@@ -72,17 +72,17 @@ def fish(rng: np.random.Generator) -> Solid:
             blend=0.15,
         ),
         capsule((0, -0.4, 0), (0, -length - 0.05, 0), 0.6 * w, 0.05),
-        move(plate(caudal, (1, 2), 0, 0.025, 0.01), (0, -length - 0.05, 0)),
+        translate(plate(caudal, (1, 2), 0, 0.025, 0.01), (0, -length - 0.05, 0)),
         plate(dorsal, (1, 2), 0, 0.025, 0.01),
         plate(belly, (1, 2), 0, 0.025, 0.01),
-        turn(wing, 1, rng.uniform(10, 50), (0.6 * w, 0, -0.25 * h)),
+        rotate(wing, 1, rng.uniform(10, 50), (0.6 * w, 0, -0.25 * h)),
         sphere((0.55 * w, 0.75 * length, 0.15 * h), 0.07),
     ]
     return mirrored(union(*parts, blend=0.03))
 
 
 def bird(rng: np.random.Generator) -> Solid:
-    """Bird in flight, widest across its mirror: body, head, beak, spread wings, tail fan, feet."""
+    """Bird in flight, widest along its normal: body, head, beak, spread wings, tail fan, feet."""
     span, length = rng.uniform(0.8, 1.4), rng.uniform(0.35, 0.6)
     body, chord = rng.uniform(0.13, 0.22), rng.uniform(0.18, 0.32)
     bend, sweep = rng.uniform(0.3, 0.55) * span, rng.uniform(0.1, 0.6)
@@ -96,15 +96,15 @@ def bird(rng: np.random.Generator) -> Solid:
         capsule((0, 0.6 * length, 0), neck, 0.8 * body, 0.08),
         sphere(neck, 0.12),
         capsule(neck + [0, 0.05, 0], neck + [0, 0.15 + rng.uniform(0.05, 0.25), -0.05], 0.06, 0.02),
-        turn(plate(wing, (0, 1), 0.05, 0.028, 0.015), 1, rng.uniform(-25, 10), (0, 0, 0.05)),
-        move(plate(fan, (0, 1), 0, 0.025, 0.015), (0, -0.85 * length, 0)),
+        rotate(plate(wing, (0, 1), 0.05, 0.028, 0.015), 1, rng.uniform(-25, 10), (0, 0, 0.05)),
+        translate(plate(fan, (0, 1), 0, 0.025, 0.015), (0, -0.85 * length, 0)),
         tube(np.array([[0.07, -0.1, -0.1], [0.08, -0.2, -0.2 - body], [0.09, -0.35, -0.2 - body]]), 0.025),
     ]
     return mirrored(union(*parts, blend=0.03))
 
 
 def insect(rng: np.random.Generator) -> Solid:
-    """Insect: head, thorax, abdomen, six bent legs, feelers, with or without wings."""
+    """Insect: head, thorax, abdomen, eyes, feelers, six bent legs, with or without wings."""
     abdomen, w = rng.uniform(0.3, 0.6), rng.uniform(0.15, 0.3)
     reach, knee = rng.uniform(0.5, 0.9), rng.uniform(0.1, 0.45)
     skull = rng.uniform(0.1, 0.18)
@@ -122,6 +122,6 @@ def insect(rng: np.random.Generator) -> Solid:
     if rng.random() < 0.5:
         length = rng.uniform(0.6, 1.1)
         wing = ellipsoid((0.08, -length / 2, 0), (0.16, length / 2, 0.025))
-        spread = turn(wing, 2, rng.uniform(10, 75))
-        parts.append(move(turn(spread, 1, -rng.uniform(5, 30)), (0.06, 0, 0.13)))
+        spread = rotate(wing, 2, rng.uniform(10, 75))
+        parts.append(translate(rotate(spread, 1, -rng.uniform(5, 30)), (0.06, 0, 0.13)))
     return mirrored(union(*parts, blend=0.03))

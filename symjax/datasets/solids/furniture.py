@@ -1,14 +1,14 @@
-"""Furniture with one mirror plane, x = 0; y points to its front, z up. Lengths are about 1."""
+"""Furniture with one mirror plane, x = 0. y points to the front and z up; lengths are about 1."""
 
 import numpy as np
 
-from symjax.datasets.solids.csg import cut, turn, union
+from symjax.datasets.solids.csg import difference, rotate, union
 from symjax.datasets.solids.primitives import Field, box, capsule, cylinder, frustum, sphere, torus, tube
 from symjax.datasets.solids.solid import Solid, mirrored
 
 
 def chair(rng: np.random.Generator) -> Solid:
-    """Chair: four legs, a back of slats or one panel, with or without arms."""
+    """Chair: four legs, a back made of slats or of one panel, with or without armrests."""
     w, d, h = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.55), rng.uniform(0.4, 0.9)
     back, lean = rng.uniform(0.5, 1.2), rng.uniform(2, 16)
     thick, splay = rng.uniform(0.03, 0.06), rng.uniform(0, 0.15)
@@ -22,7 +22,7 @@ def chair(rng: np.random.Generator) -> Solid:
     else:
         bottom = rng.uniform(0.05, 0.5) * back
         rest.append(box((0, -d + r, (bottom + back) / 2), (w - r, 0.03, (back - bottom) / 2), 0.03))
-    parts += [turn(part, 0, lean, about=(0, -d, 0)) for part in rest]
+    parts += [rotate(part, 0, lean, about=(0, -d, 0)) for part in rest]
     if rng.random() < 0.5:
         level = rng.uniform(0.3, 0.45)
         parts += [
@@ -33,13 +33,13 @@ def chair(rng: np.random.Generator) -> Solid:
 
 
 def sofa(rng: np.random.Generator) -> Solid:
-    """Sofa: base, back, arms, two or three seat cushions, feet."""
+    """Sofa: base, back, armrests, two or three seat cushions, feet."""
     w, d, h = rng.uniform(0.7, 1.4), rng.uniform(0.35, 0.6), rng.uniform(0.12, 0.22)
     back, arm = rng.uniform(0.35, 0.8), rng.uniform(0.2, 0.4)
     width = rng.uniform(0.08, 0.18)
     parts = [
         box((0, 0, 0), (w, d, h), 0.04),
-        turn(box((0, -d + 0.1, back / 2), (w, 0.1, back / 2 + h), 0.08), 0, rng.uniform(0, 12), (0, -d, 0)),
+        rotate(box((0, -d + 0.1, back / 2), (w, 0.1, back / 2 + h), 0.08), 0, rng.uniform(0, 12), (0, -d, 0)),
         box((w - width / 2, 0, arm / 2), (width, d, arm / 2 + h), min(0.06, width / 2)),
         frustum((w - 0.1, d - 0.1, -h), (w - 0.1, d - 0.1, -h - 0.15), 0.05, 0.03),
         frustum((w - 0.1, -d + 0.1, -h), (w - 0.1, -d + 0.1, -h - 0.15), 0.05, 0.03),
@@ -52,7 +52,7 @@ def sofa(rng: np.random.Generator) -> Solid:
 
 
 def desk(rng: np.random.Generator) -> Solid:
-    """Desk: a top, side panels or four legs, a shallow back panel, one drawer with a knob."""
+    """Desk: a top, side panels or four legs, a shallow back panel, a drawer with a knob, with or without a shelf."""
     w, d, h = rng.uniform(0.6, 1.2), rng.uniform(0.3, 0.6), rng.uniform(0.4, 0.8)
     parts = [box((0, 0, 0), (w, d, 0.035), 0.015)]
     if rng.random() < 0.5:
@@ -77,7 +77,7 @@ def desk(rng: np.random.Generator) -> Solid:
 
 
 def lamp(rng: np.random.Generator) -> Solid:
-    """Desk lamp: a foot, an arm of two links in the mirror plane, a tilted shade."""
+    """Desk lamp: a foot, an arm of two links in the mirror plane, a tilted shade with a bulb."""
     foot = rng.uniform(0.25, 0.5)
     lower, upper = rng.uniform(0.5, 0.9), rng.uniform(0.4, 0.8)
     elbow = np.array([0, -rng.uniform(0.1, 0.4), lower])
@@ -92,7 +92,7 @@ def lamp(rng: np.random.Generator) -> Solid:
         tube(np.array([[0, 0, 0], elbow, head]), 0.035),
         sphere(elbow, 0.07),
         capsule((0.05, elbow[1], elbow[2]), (0.12, elbow[1], elbow[2]), 0.035),
-        cut(frustum(head - 0.04 * aim, head + shade * aim, 0.1, mouth + 0.02), hollow),
+        difference(frustum(head - 0.04 * aim, head + shade * aim, 0.1, mouth + 0.02), hollow),
         sphere(head + 0.5 * shade * aim, 0.07),
         capsule(head, head + 0.5 * shade * aim, 0.04),
         sphere((0, 0.6 * foot, 0.04), 0.05),
@@ -101,7 +101,7 @@ def lamp(rng: np.random.Generator) -> Solid:
 
 
 def wheelchair(rng: np.random.Generator) -> Solid:
-    """Wheelchair: two large wheels, two small ones, seat, back, handles, footrest."""
+    """Wheelchair: two large wheels, two castors, seat, back, armrests, handles, footrests."""
     w, d = rng.uniform(0.22, 0.4), rng.uniform(0.25, 0.4)
     wheel, small = rng.uniform(0.35, 0.5), rng.uniform(0.12, 0.2)
     back = rng.uniform(0.45, 0.8)

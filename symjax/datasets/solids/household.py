@@ -1,8 +1,8 @@
-"""Vessels, tools and instruments with one mirror plane, x = 0; z up."""
+"""Vessels, tools and instruments with one mirror plane, x = 0."""
 
 import numpy as np
 
-from symjax.datasets.solids.csg import cut, move, turn, union
+from symjax.datasets.solids.csg import difference, rotate, translate, union
 from symjax.datasets.solids.primitives import (
     Field,
     arc,
@@ -22,7 +22,7 @@ UP, AHEAD = (0, 0, 1), (0, 1, 0)
 
 
 def mug(rng: np.random.Generator) -> Solid:
-    """Mug: a handle, a pouring lip opposite, and a pair of raised dots."""
+    """Mug: a handle, a pouring lip opposite it, and a pair of raised dots."""
     r, h, flare = rng.uniform(0.35, 0.55), rng.uniform(0.4, 0.7), rng.uniform(0.85, 1.15)
     wall = rng.uniform(0.05, 0.08)
     hollow = frustum((0, 0, -h + 0.1), (0, 0, h + 0.1), r - wall, r * flare - wall)
@@ -36,11 +36,11 @@ def mug(rng: np.random.Generator) -> Solid:
     lip = ellipsoid((0, r * flare, h), (0.12, 0.18, 0.12))
     angle, level = np.radians(rng.uniform(35, 80)), rng.uniform(-0.4, 0.3) * h
     dot = (middle * np.sin(angle), middle * np.cos(angle), level)
-    return mirrored(cut(union(body, lip, sphere(dot, 0.13), blend=0.02), hollow))
+    return mirrored(difference(union(body, lip, sphere(dot, 0.13), blend=0.02), hollow))
 
 
 def teapot(rng: np.random.Generator) -> Solid:
-    """Teapot: a belly, a spout, a handle at the back or over the lid, a knob."""
+    """Teapot: a belly, a spout, a lid with a knob, and a handle at the back or over the lid."""
     r, squash = rng.uniform(0.5, 0.75), rng.uniform(0.65, 1.1)
     h = r * squash
     spout, rise = rng.uniform(0.35, 0.6), rng.uniform(0.2, 0.5)
@@ -70,7 +70,7 @@ def watering_can(rng: np.random.Generator) -> Solid:
     root = np.array([0, 0.9 * r, -0.6 * h])
     tip = np.array([0, r + reach, h + rise])
     aim = (tip - root) / np.linalg.norm(tip - root)
-    drum = cut(cylinder((0, 0, -h), (0, 0, h), r, 0.03), cylinder((0, 0, -h + 0.08), (0, 0, h + 0.1), r - 0.06))
+    drum = difference(cylinder((0, 0, -h), (0, 0, h), r, 0.03), cylinder((0, 0, -h + 0.08), (0, 0, h + 0.1), r - 0.06))
     parts = [
         drum,
         capsule(root, tip, 0.1, 0.06),
@@ -83,7 +83,7 @@ def watering_can(rng: np.random.Generator) -> Solid:
 
 
 def hammer(rng: np.random.Generator) -> Solid:
-    """Claw hammer, thin across its mirror: handle, face, forked and curved claw."""
+    """Claw hammer, thinnest along its normal: handle, face, forked and curved claw."""
     length, grip = rng.uniform(1.1, 1.8), rng.uniform(0.07, 0.11)
     face, neck = rng.uniform(0.12, 0.19), rng.uniform(0.2, 0.35)
     top = np.array([0, 0, length / 2])
@@ -101,7 +101,7 @@ def hammer(rng: np.random.Generator) -> Solid:
 
 
 def guitar(rng: np.random.Generator) -> Solid:
-    """Guitar: a waisted body with a sound hole, neck, head with pegs, bridge."""
+    """Guitar: a waisted body with a sound hole, a bridge, a neck, and a head with pegs."""
     lower, upper = rng.uniform(0.4, 0.55), rng.uniform(0.28, 0.42)
     depth, neck = rng.uniform(0.09, 0.16), rng.uniform(0.7, 1.1)
     waist = lower + upper - rng.uniform(0.1, 0.25)
@@ -114,18 +114,18 @@ def guitar(rng: np.random.Generator) -> Solid:
     )
     head = top + neck
     parts: list[Field] = [
-        cut(flat_body, hollow),
+        difference(flat_body, hollow),
         box((0, top + neck / 2 - 0.1, depth), (0.07, neck / 2 + 0.1, 0.04), 0.02),
-        turn(box((0, head + 0.13, depth), (0.11, 0.17, 0.03), 0.015), 0, -rng.uniform(5, 20), (0, head, depth)),
+        rotate(box((0, head + 0.13, depth), (0.11, 0.17, 0.03), 0.015), 0, -rng.uniform(5, 20), (0, head, depth)),
         box((0, -0.1, depth + 0.02), (rng.uniform(0.12, 0.22), 0.035, 0.035), 0.01),
     ]
     for y in (0.04, 0.13, 0.22):
         parts.append(capsule((0.1, head + y, depth - 0.03), (0.2, head + y, depth - 0.03), 0.03))
-    return mirrored(move(union(*parts), (0, -0.5 * head, 0)))
+    return mirrored(translate(union(*parts), (0, -0.5 * head, 0)))
 
 
 def coat_hook(rng: np.random.Generator) -> Solid:
-    """Wall hook: a shield plate, a large hook above, a pair of small hooks below."""
+    """Wall hook: a plate, a large hook above, and a pair of small hooks below."""
     w, h = rng.uniform(0.2, 0.4), rng.uniform(0.4, 0.7)
     shield = np.array([[w, 0.8 * h], [0.7 * w, h], [-0.7 * w, h], [-w, 0.8 * h], [-0.6 * w, -h], [0.6 * w, -h]])
     reach, aside = rng.uniform(0.3, 0.6), rng.uniform(0.15, 0.45)
@@ -142,14 +142,14 @@ def coat_hook(rng: np.random.Generator) -> Solid:
 
 
 def jug(rng: np.random.Generator) -> Solid:
-    """Jug: a turned body with a long neck, a beak and a high handle."""
+    """Jug: a round body with a long neck, a beak and a high handle."""
     belly, h = rng.uniform(0.35, 0.55), rng.uniform(0.6, 0.9)
     neck, mouth = rng.uniform(0.14, 0.25), rng.uniform(0.2, 0.35)
     heights = np.array([-1, -0.6, -0.1, 0.3, 0.65, 0.85, 1.0]) * h
     outer = np.array([0.6 * belly, 0.95 * belly, 0.95 * belly, 0.6 * belly, neck, 1.1 * neck, mouth])
     profile = [[0.0, -h], *zip(outer, heights, strict=True), (mouth - 0.05, h), (neck - 0.05, 0.65 * h)]
     profile += [(0.8 * belly - 0.05, 0.1 * h), (0.5 * belly, -0.8 * h), (0.0, -0.85 * h)]
-    beak = cut(
+    beak = difference(
         capsule((0, 0.5 * mouth, 0.85 * h), (0, mouth + 0.14, h + 0.02), 0.13, 0.06),
         capsule((0, 0.0, h + 0.04), (0, mouth + 0.3, h + 0.1), 0.1, 0.05),
     )
@@ -160,4 +160,4 @@ def jug(rng: np.random.Generator) -> Solid:
             [(0.0, -0.8 * h), (neck - 0.06, 0.6 * h), (neck - 0.06, 0.7 * h), (mouth - 0.06, 1.2 * h), (0.0, 1.2 * h)]
         )
     )
-    return mirrored(cut(union(lathe(np.array(profile)), beak, handle, blend=0.02), inside))
+    return mirrored(difference(union(lathe(np.array(profile)), beak, handle, blend=0.02), inside))

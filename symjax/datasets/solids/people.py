@@ -1,14 +1,14 @@
-"""People with one mirror plane, x = 0; y points ahead, z up. Joints are filleted."""
+"""People with one mirror plane, x = 0. y points forward and z up; joints are filleted."""
 
 import numpy as np
 
-from symjax.datasets.solids.csg import cut, union
+from symjax.datasets.solids.csg import difference, union
 from symjax.datasets.solids.primitives import capsule, cylinder, ellipsoid, sphere, torus, tube
 from symjax.datasets.solids.solid import Solid, mirrored
 
 
 def human(rng: np.random.Generator) -> Solid:
-    """Human figure: arms from hanging to stretched out, legs together or apart, feet, nose."""
+    """Human figure with a nose and feet; the arms hang or are raised, the legs are together or apart."""
     shoulder, hip = rng.uniform(0.2, 0.32), rng.uniform(0.14, 0.22)
     leg, trunk = rng.uniform(0.6, 0.95), rng.uniform(0.5, 0.7)
     limb, belly = rng.uniform(0.055, 0.085), rng.uniform(0.12, 0.24)
@@ -53,7 +53,7 @@ def head(rng: np.random.Generator) -> Solid:
     )
     sockets = sphere((apart, face + 0.02, level), 0.2)
     mouth = capsule((0, face - 0.02, -0.45), (rng.uniform(0.1, 0.25), face - 0.08, -0.43), 0.06)
-    carved = cut(skull, sockets, mouth, blend=0.06)
+    carved = difference(skull, sockets, mouth, blend=0.06)
     features = [
         carved,
         sphere((apart, face - 0.14, level), 0.12),
@@ -68,7 +68,7 @@ def head(rng: np.random.Generator) -> Solid:
 
 
 def spectacles(rng: np.random.Generator) -> Solid:
-    """Spectacles, widest across their mirror: rims, bridge, temples that bend down behind the ears."""
+    """Spectacles, widest along their normal: rims, bridge, nose pads, and temples that bend down behind the ears."""
     rim, gap = rng.uniform(0.3, 0.45), rng.uniform(0.08, 0.2)
     length, drop, r = rng.uniform(0.9, 1.5), rng.uniform(0.15, 0.4), rng.uniform(0.03, 0.045)
     x = rim + gap

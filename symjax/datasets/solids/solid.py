@@ -52,7 +52,7 @@ def mirrored(*parts: Field, blend: float = 0.0) -> Solid:
     return with_planes(fold(union(*parts, blend=blend)), [[1, 0, 0]])
 
 
-def lopsided(field: Field) -> Solid:
+def without_planes(field: Field) -> Solid:
     """Makes a solid without a mirror plane."""
     return with_planes(field, [])
 

@@ -1,53 +1,55 @@
 """Random points on the zero set of a signed distance function, uniform by area.
 
-Points are drawn uniformly in the volume near the surface and kept where |f| < ε |∇f|, a shell of thickness 2ε;
-the kept ones are moved onto the surface along the gradient. By Weyl's tube formula the volume of a two-sided
-shell above a patch is 2ε · area · (1 + K ε²/3), K the Gaussian curvature: the density is uniform to second
-order in ε, with no mesh whose triangles could leave a trace, and the points are independent.
+Points are drawn uniformly in the volume near the surface. Those in the shell |f| < ε |∇f|, of thickness 2ε, are kept
+and moved onto the surface along the gradient. By Weyl's tube formula, the volume of a two-sided shell over a patch is
+2ε · area · (1 + K ε²/3), where K is the Gaussian curvature. The density is therefore uniform to second order in ε. The
+points are independent, and no triangles of a mesh can leave a pattern in them.
 """
 
 import numpy as np
 from jaxtyping import Float
 
-from symjax.datasets.solids.primitives import Field
+from symjax.datasets.solids.primitives import Coordinates, Field
 from symjax.errors import InvalidArgumentError
 
 ROOT = 2.0
-"""Half the side of the cube in which solids are built, so their diagonals are about two to four."""
+"""Half the side of the cube that contains every solid; the diagonals of the solids are about two to four."""
 
 CELL = 1 / 32
-"""Side of the cells that cover the surface. Thin parts cannot be lost: cells are dropped by the bound
-|f(centre)| > LIPSCHITZ · half diagonal, not by signs at corners."""
+"""Side of the cells that cover the surface. No thin part is lost, because a cell is dropped only if
+|f(centre)| > LIPSCHITZ · half its diagonal, and not by the signs at its corners."""
 
 SHELL = 0.004
-"""Half thickness ε of the shell: parts are at least 0.02 thick, so shells of opposite sides do not meet."""
+"""Half the thickness of the shell, ε. All parts are at least 0.02 thick, so opposite shells do not meet."""
 
 LIPSCHITZ = 1.5
-"""Bound on |f| over the distance to the surface: 1 for exact distances, at most 1.5 for the ellipsoids in use."""
+"""Bound on |f| divided by the distance to the surface: 1 for exact distances, at most 1.5 for the ellipsoids used."""
 
 STEP = 1e-6
 """Step of the finite differences."""
 
 TOLERANCE = 1e-11
-"""A point is on the surface when |f| is at most this."""
+"""A point counts as on the surface if |f| is at most this."""
 
 MAX_STEPS = 12
-"""Newton steps; a point that needs more sits on a crease, and is drawn again."""
+"""Limit on the Newton steps. A point that needs more is near a crease and is dropped."""
 
 BATCH = 16384
-"""Points evaluated at a time: temporaries stay in the cache."""
+"""Number of points evaluated at once, so that temporary arrays stay in the cache."""
 
 
 def sample_surface(field: Field, num_points: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Independent random points, uniform by area on the zero set of `field` within the cube of side 2 `ROOT`.
+    """Draws independent random points, uniform by area on the zero set of `field` in the cube of side 2 `ROOT`.
 
     Raises:
-        InvalidArgumentError: The field has no surface there.
+        InvalidArgumentError: if the field has no zero in the cube.
     """
     cells = cover(field)
     if cells.shape[1] == 0:
-        raise InvalidArgumentError("the field has no zero inside the cube: scale the solid to about unit size")
-    drawn = min(BATCH, 64 + 16 * num_points)  # about one in ten is kept
+        raise InvalidArgumentError(
+            f"the field has no zero within {ROOT:g} of the origin: scale the solid to about unit size"
+        )
+    drawn = min(BATCH, 64 + 16 * num_points)  # about one in ten points is kept
     found = np.empty((3, 0))
     while found.shape[1] < num_points:
         corner = cells[:, rng.integers(cells.shape[1], size=drawn)] - CELL / 2
@@ -58,7 +60,7 @@ def sample_surface(field: Field, num_points: int, rng: np.random.Generator) -> F
 
 
 def cover(field: Field) -> Float[np.ndarray, "3 m"]:
-    """Centres of the cells of side `CELL` that the surface can pass through, by halving from the root cube."""
+    """Returns the centres of all cells of side `CELL` that may contain surface, found by subdividing the root cube."""
     size = ROOT / 4
     ticks = np.arange(-ROOT + size / 2, ROOT, size)
     centres = np.stack(np.meshgrid(ticks, ticks, ticks, indexing="ij")).reshape(3, -1)
@@ -73,13 +75,13 @@ def cover(field: Field) -> Float[np.ndarray, "3 m"]:
         size /= 2
 
 
-def batches(p: Float[np.ndarray, "3 n"]) -> list[Float[np.ndarray, "3 b"]]:
-    """The points in pieces of at most `BATCH`."""
+def batches(p: Coordinates) -> list[Float[np.ndarray, "3 b"]]:
+    """Splits points into batches of at most `BATCH`."""
     return np.array_split(p, max(1, -(-p.shape[1] // BATCH)), axis=1)
 
 
-def project(field: Field, p: Float[np.ndarray, "3 n"]) -> Float[np.ndarray, "3 m"]:
-    """Points of the shell |f| < ε |∇f|, moved onto the surface by Newton's method along the gradient."""
+def project(field: Field, p: Coordinates) -> Float[np.ndarray, "3 m"]:
+    """Selects the points in the shell |f| < ε |∇f| and moves them onto the surface by Newton steps along the gradient."""
     value, slope = field(p), gradient(field, p)
     steepness = (slope**2).sum(axis=0)
     inside = np.abs(value) < SHELL * np.sqrt(steepness)
@@ -100,8 +102,8 @@ def project(field: Field, p: Float[np.ndarray, "3 n"]) -> Float[np.ndarray, "3 m
     return p[:, done]
 
 
-def gradient(field: Field, p: Float[np.ndarray, "3 n"]) -> Float[np.ndarray, "3 n"]:
-    """Gradient from the values at the corners of a small tetrahedron, second order in the step."""
+def gradient(field: Field, p: Coordinates) -> Coordinates:
+    """Computes the gradient from values at the corners of a small tetrahedron, to second order in the step."""
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
     slope = np.zeros_like(p)
     for corner in corners:

@@ -1,8 +1,8 @@
-"""Vehicles with one mirror plane, x = 0; y points ahead, z up."""
+"""Vehicles with one mirror plane, x = 0. y points forward and z up."""
 
 import numpy as np
 
-from symjax.datasets.solids.csg import common, cut, move, turn, union
+from symjax.datasets.solids.csg import difference, intersection, rotate, translate, union
 from symjax.datasets.solids.primitives import (
     Field,
     box,
@@ -20,7 +20,7 @@ from symjax.datasets.solids.solid import Solid, mirrored
 
 
 def car(rng: np.random.Generator) -> Solid:
-    """Car: a body of random profile (bonnet, cabin, boot), wheel arches, wheels, mirrors, lamps."""
+    """Car: a body of random profile (bonnet, cabin, boot), wheels, mirrors and lamps, with or without a spoiler."""
     w, length = rng.uniform(0.38, 0.6), rng.uniform(0.85, 1.3)
     sill, waist, roof = -0.18, rng.uniform(0.12, 0.25), rng.uniform(0.42, 0.75)
     bonnet, boot = rng.uniform(0.25, 0.55) * length, rng.uniform(0.6, 0.95) * length
@@ -33,7 +33,7 @@ def car(rng: np.random.Generator) -> Solid:
     places = [(0.62 * length, sill), (-0.62 * length, sill)]
     arches = [cylinder((w - 0.2, *at), (w + 0.2, *at), wheel + 0.05) for at in places]
     parts = [
-        cut(plate(body, (1, 2), 0, w, 0.07), *arches),
+        difference(plate(body, (1, 2), 0, w, 0.07), *arches),
         plate(cabin, (1, 2), 0, w - 0.07, 0.05),
         *[cylinder((w - 0.17, *at), (w - 0.01, *at), wheel, 0.03) for at in places],
         *[cylinder((w - 0.02, *at), (w + 0.02, *at), 0.4 * wheel, 0.01) for at in places],
@@ -47,7 +47,7 @@ def car(rng: np.random.Generator) -> Solid:
 
 
 def aeroplane(rng: np.random.Generator) -> Solid:
-    """Aeroplane: fuselage, swept wings, tail, engines under the wings or a propeller on the nose."""
+    """Aeroplane: fuselage, swept wings, tail, and engines under the wings or a propeller on the nose."""
     span, length = rng.uniform(0.9, 1.5), rng.uniform(0.7, 1.2)
     body = rng.uniform(0.1, 0.17)
     level, rise = rng.choice([-0.5, 0.6]) * body, rng.uniform(0, 8)
@@ -60,9 +60,9 @@ def aeroplane(rng: np.random.Generator) -> Solid:
         capsule((0, 0.6 * length, 0), (0, -0.4 * length, 0), body),
         capsule((0, -0.4 * length, 0), (0, -length, 0.06), body, 0.05),
         ellipsoid((0, 0.6 * length, 0.5 * body), (0.6 * body, 0.25, 0.8 * body)),
-        turn(plate(wing, (0, 1), level, 0.03, 0.02), 1, -rise, (0, 0, level)),
-        move(plate(stabiliser, (0, 1), 0.06, 0.025, 0.015), (0, -0.9 * length, 0)),
-        move(plate(fin, (1, 2), 0, 0.025, 0.015), (0, -0.9 * length, 0.05)),
+        rotate(plate(wing, (0, 1), level, 0.03, 0.02), 1, -rise, (0, 0, level)),
+        translate(plate(stabiliser, (0, 1), 0.06, 0.025, 0.015), (0, -0.9 * length, 0)),
+        translate(plate(fin, (1, 2), 0, 0.025, 0.015), (0, -0.9 * length, 0.05)),
     ]
     if rng.random() < 0.5:
         for x in span * np.array([0.35, 0.65][: rng.integers(1, 3)]):
@@ -78,21 +78,21 @@ def aeroplane(rng: np.random.Generator) -> Solid:
 
 
 def boat(rng: np.random.Generator) -> Solid:
-    """Boat: an open or decked hull, a cabin with funnel, or a mast with a boom."""
+    """Boat: an open or decked hull, with a cabin and a funnel or with a mast and a sail."""
     length, w, depth = rng.uniform(0.9, 1.4), rng.uniform(0.28, 0.5), rng.uniform(0.3, 0.5)
     sheer = 1.25 * depth
-    shell = common(
+    shell = intersection(
         ellipsoid((0, 0, sheer), (w, length, sheer + depth)),
         halfspace((0, -0.12, 1), 0.12),
         halfspace((0, -1, -0.15), rng.uniform(0.55, 0.8) * length),
     )
-    hold = common(
+    hold = intersection(
         ellipsoid((0, 0, sheer), (w - 0.06, length - 0.12, sheer + depth - 0.08)),
         halfspace((0, -1, -0.15), 0.5 * length),
     )
-    sunk = move(hold, (0, 0, 0.0 if rng.random() < 0.5 else 0.6 * depth))
+    sunk = translate(hold, (0, 0, 0.0 if rng.random() < 0.5 else 0.6 * depth))
     keel = [[0.1, -0.98], [-0.3, -0.86], [-0.62, -0.5], [-0.66, -1.05]]
-    parts = [cut(shell, sunk), plate(np.array(keel) * [length, depth], (1, 2), 0, 0.03)]
+    parts = [difference(shell, sunk), plate(np.array(keel) * [length, depth], (1, 2), 0, 0.03)]
     if rng.random() < 0.5:
         top = rng.uniform(0.25, 0.5)
         parts += [
@@ -113,7 +113,7 @@ def boat(rng: np.random.Generator) -> Solid:
 
 
 def bicycle(rng: np.random.Generator) -> Solid:
-    """Balance bicycle: two wheels with spokes, frame, fork, handlebar, saddle; thin across its mirror."""
+    """Balance bicycle, thinnest along its normal: two wheels with spokes, frame, fork, handlebar, saddle."""
     wheel, base = rng.uniform(0.35, 0.5), rng.uniform(0.55, 0.75)
     front = wheel * rng.uniform(0.8, 1.1)
     r = rng.uniform(0.03, 0.045)

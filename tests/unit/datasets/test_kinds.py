@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from scipy.stats import chi2
 
 from symjax.datasets import KINDS, build, generate, pose
-from symjax.datasets.solids.csg import common, cut, union
+from symjax.datasets.solids.csg import difference, intersection, union
 from symjax.datasets.solids.primitives import (
     arc,
     box,
@@ -197,10 +197,22 @@ def test_a_union_has_its_outer_surface_only(rng):
         arc((0, 0, 0), (1, 0, 0), (0, 1, 0), 0.6, 0.15, 2.0),
         lathe(np.array([[0, -0.6], [0.5, -0.6], [0.3, 0.2], [0.6, 0.7], [0, 0.7]])),
         ellipsoid((0, 0, 0), (0.16, 0.9, 0.5)),
-        cut(sphere((0, 0, 0), 0.6), capsule((0, 0, 0), (1, 0, 0), 0.3), blend=0.1),
-        common(sphere((0, 0, 0), 0.6), halfspace((0, 1, 1), 0.1)),
+        difference(sphere((0, 0, 0), 0.6), capsule((0, 0, 0), (1, 0, 0), 0.3), blend=0.1),
+        intersection(sphere((0, 0, 0), 0.6), halfspace((0, 1, 1), 0.1)),
     ],
-    ids=["sphere", "box", "capsule", "cylinder", "frustum", "torus", "arc", "lathe", "ellipsoid", "cut", "common"],
+    ids=[
+        "sphere",
+        "box",
+        "capsule",
+        "cylinder",
+        "frustum",
+        "torus",
+        "arc",
+        "lathe",
+        "ellipsoid",
+        "difference",
+        "intersection",
+    ],
 )
 def test_fields_are_bounded_by_the_distance_to_their_surface(field, rng):
     surface = sample_surface(field, 4000, rng)
@@ -244,7 +256,7 @@ def test_reflect_sets_the_handedness(rng):
 
 
 def test_bad_requests_are_named():
-    with pytest.raises(InvalidArgumentError, match=r"no kind 'unicorn': choose one of chair"):
+    with pytest.raises(InvalidArgumentError, match=r"kind 'unicorn' is unknown: choose one of chair"):
         generate("unicorn")
     with pytest.raises(InvalidArgumentError, match="num_points"):
         generate("mug", num_points=0)
