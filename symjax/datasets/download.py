@@ -34,7 +34,7 @@ def fetch(name: str, original: Original) -> Path:
     """
     require_pooch()
     if not original.url.startswith(SCHEME):
-        raise InvalidArgumentError(f"cannot download {original.url}: the address must begin with {SCHEME}")
+        raise InvalidArgumentError(f"{original.url} is not fetched: the address must begin with {SCHEME}")
     import pooch
 
     file = f"models/{name}{PurePosixPath(urlsplit(original.url).path).suffix}"
@@ -51,7 +51,7 @@ def fetch(name: str, original: Original) -> Path:
     except (OSError, ValueError) as error:
         reason = str(error).rstrip(".")
         raise FileFormatError(
-            f"cannot download model {name!r}: {reason}; try again, or save {original.url} as {cache.abspath / file}"
+            f"cannot fetch {name!r}: {reason}; try again, or save {original.url} as {cache.abspath / file} yourself"
         ) from error
 
 

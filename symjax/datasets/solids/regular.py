@@ -29,7 +29,7 @@ def twofold(*parts: Field, blend: float = 0.0) -> Solid:
 
 
 def vertical_planes(count: int) -> list[list[float]]:
-    """Returns the normals of the mirror planes of a vertical regular prism of `count` sides with an edge at y = 0."""
+    """Returns the normals of the vertical mirror planes of a regular polygon with `count` corners, one at y = 0."""
     angles = np.pi * np.arange(count) / count
     return np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(count)]).tolist()
 

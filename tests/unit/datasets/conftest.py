@@ -9,7 +9,7 @@ from tests.helpers.model_server import PRISM, Site, original
 
 @pytest.fixture
 def site(monkeypatch):
-    """A server of this test's own; no proxy stands before it."""
+    """A local server for one test, reached without a proxy."""
     monkeypatch.setenv("NO_PROXY", "127.0.0.1")
     monkeypatch.setattr(download, "SCHEME", "http://")
     site = Site()
@@ -26,7 +26,7 @@ def cache(monkeypatch, tmp_path):
 
 @pytest.fixture
 def tent(monkeypatch, site):
-    """A mesh in the registry that the server has."""
+    """An entry of the registry whose mesh is on the local server."""
     entry = original(site.put("/tent-low-res.obj", PRISM), PRISM)
     monkeypatch.setitem(MODELS, "tent", entry)
     return entry

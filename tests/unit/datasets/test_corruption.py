@@ -1,4 +1,4 @@
-"""Corruptions and the one-sided scanner: counts, what is kept, where it is, seeds."""
+"""Corruptions and scans from one side: how many points are kept, which ones, and how seeds change them."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_outliers_follow_the_points_and_fill_the_box(ball, alpha):
 
 
 @pytest.mark.parametrize("gamma", [0.0, 0.15, 0.4])
-def test_the_part_removed_is_a_ball_around_one_of_the_points(ball, gamma):
+def test_the_removed_part_is_inside_a_ball_around_a_point(ball, gamma):
     points, kept = remove_part(ball, gamma, 5)
     assert len(points) == 2000 - int(gamma * 2000)
     np.testing.assert_array_equal(points, ball[kept])
@@ -36,31 +36,31 @@ def test_the_part_removed_is_a_ball_around_one_of_the_points(ball, gamma):
     if gamma:
         centre = ball[gone].mean(axis=0)
         centre /= np.linalg.norm(centre)
-        # a cap of a sphere of share γ reaches 1 - 2γ below the pole
+        # the cap that holds a fraction γ of a unit sphere's area lies above height 1 - 2γ
         assert np.quantile(ball[gone] @ centre, 0.02) > 1 - 2 * gamma - 0.1
         assert (points @ centre).max() < 1 - 2 * gamma + 0.1
 
 
-def test_noise_has_the_level_it_says(ball):
+def test_noise_has_the_given_level(ball):
     diagonal = np.linalg.norm(np.ptp(ball, axis=0))
     moved = add_noise(ball, 0.01, 1) - ball
     assert kstest(moved.ravel() / (0.01 * diagonal), "norm").pvalue > 1e-3
     np.testing.assert_allclose(add_noise(ball, 0.01, 1, diagonal=2 * diagonal) - ball, 2 * moved, atol=1e-12)
 
 
-def test_a_scanner_sees_the_near_cap_of_a_sphere(ball):
+def test_a_scan_contains_the_near_cap_of_a_sphere(ball):
     viewpoint = np.array([0.0, 0.0, 4.0])
     points, seen = scan(ball, viewpoint=viewpoint)
     np.testing.assert_array_equal(points, ball[seen])
     horizon = 1 / 4  # the tangent cone touches the sphere at z = radius² / distance
-    # hidden points just behind the horizon pass, and those of the far side do not
+    # the method keeps some hidden points just behind the horizon, but none on the far side
     assert np.mean(points[:, 2] > horizon - 0.1) > 0.93
     assert points[:, 2].min() > -0.75
     visible = np.flatnonzero(ball[:, 2] > horizon + 0.1)
     assert np.isin(visible, seen).mean() > 0.98
 
 
-def test_what_is_behind_a_wall_is_hidden(rng):
+def test_points_behind_a_wall_are_hidden(rng):
     wall = np.column_stack([rng.uniform(-1, 1, (3000, 2)), np.zeros(3000)])
     behind = np.column_stack([rng.uniform(-0.4, 0.4, (300, 2)), np.full(300, -1.0)])
     _, seen = scan(np.vstack([wall, behind]), viewpoint=np.array([0.0, 0.0, 6.0]))
@@ -68,14 +68,14 @@ def test_what_is_behind_a_wall_is_hidden(rng):
     assert np.count_nonzero(seen >= 3000) < 10
 
 
-def test_a_random_viewpoint_moves_with_the_seed_and_the_scan_with_the_cloud(ball):
+def test_the_viewpoint_depends_on_the_seed_and_moves_with_the_cloud(ball):
     first, other = scan(ball, 0)[1], scan(ball, 1)[1]
     assert 0.25 < len(first) / 2000 < 0.6
     assert len(np.setdiff1d(first, other)) > 50
     np.testing.assert_array_equal(scan(10 * ball + 3, 0)[1], first)
 
 
-def test_corrupt_goes_in_the_order_of_the_protocol(ball):
+def test_corrupt_applies_the_corruptions_in_order(ball):
     result = corrupt(ball, 7, outliers=0.5, missing=0.28, noise=0.002, one_sided=True)
     from_cloud = result.source >= 0
     seen = np.count_nonzero(from_cloud)
@@ -85,25 +85,25 @@ def test_corrupt_goes_in_the_order_of_the_protocol(ball):
     assert seen == len(whole) - int(0.28 * len(whole))
     assert np.isin(result.source[from_cloud], whole).all()
     shift = np.linalg.norm(result.points[from_cloud] - ball[result.source[from_cloud]], axis=1)
-    level = 0.002 * np.linalg.norm(np.ptp(ball, axis=0))  # of the whole cloud, though less than half is left
+    level = 0.002 * np.linalg.norm(np.ptp(ball, axis=0))  # the diagonal of the whole cloud
     assert 0.9 < shift.std() / (level * np.sqrt(3 - 8 / np.pi)) < 1.1
     assert not np.all(np.diff(result.source[from_cloud]) > 0)
 
 
-def test_nothing_asked_is_a_shuffle(ball):
+def test_without_corruptions_the_cloud_is_only_shuffled(ball):
     result = corrupt(ball, 3)
     np.testing.assert_array_equal(result.points, ball[result.source])
     assert len(np.unique(result.source)) == 2000
 
 
-def test_same_seed_same_corruption(ball):
+def test_the_same_seed_gives_the_same_corruption(ball):
     asked = {"outliers": 0.3, "missing": 0.1, "noise": 0.01, "one_sided": True}
     first, again, other = (corrupt(ball, seed, **asked) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.points, again.points)
     assert first.points.shape != other.points.shape or not np.allclose(first.points, other.points)
 
 
-def test_bad_requests_are_named(ball):
+def test_bad_arguments_are_refused(ball):
     with pytest.raises(InvalidArgumentError, match="alpha"):
         add_outliers(ball, -0.1)
     with pytest.raises(InvalidArgumentError, match="gamma"):

@@ -1,4 +1,4 @@
-"""Procedural objects: exact planes and no others, uniform density, variety, seeds."""
+"""Generated objects: their planes are exact and complete, their points are uniform by area, and seeds vary them."""
 
 import functools
 import subprocess
@@ -34,12 +34,12 @@ ASYMMETRIC = [name for name, kind in KINDS.items() if kind.symmetry == "none"]
 
 @functools.cache
 def example(kind):
-    """A small sample of a kind and the field it was drawn from."""
+    """Returns a small sample of a kind and the field whose zero set was sampled."""
     return generate(kind, num_points=250, rng=3), build(kind, 3).field
 
 
 def residuals(points, field, normals, offsets):
-    """Mean |f| of the points' reflections across each plane, as a fraction of the diagonal."""
+    """Computes the mean |f| at the points' mirror images in each plane, as a fraction of the diagonal."""
     normals = np.asarray(normals)
     height = points @ normals.T - offsets
     images = points[:, None, :] - 2 * height[:, :, None] * normals
@@ -48,7 +48,7 @@ def residuals(points, field, normals, offsets):
 
 
 def half_sphere(count):
-    """Directions spread evenly over a half sphere (Fibonacci)."""
+    """Returns directions spread evenly over a hemisphere (Fibonacci)."""
     z = 1 - (np.arange(count) + 0.5) / count
     turn = np.pi * (1 + 5**0.5) * np.arange(count)
     r = np.sqrt(1 - z**2)
@@ -60,7 +60,7 @@ def chi_square_p(counts, shares):
     return chi2.sf(((counts - expected) ** 2 / expected).sum(), len(counts) - 1)
 
 
-def test_enough_kinds_of_every_symmetry():
+def test_there_are_enough_kinds_of_every_symmetry():
     assert len(SINGLE) >= 12
     assert min(len(MULTIPLE), len(CONTINUOUS), len(ASYMMETRIC)) >= 5
     assert all(kind.description for kind in KINDS.values())
@@ -103,7 +103,7 @@ def test_every_plane_through_the_axis_is_a_mirror(kind):
     assert len(sample.normals) > 0 or kind == "ball" or across > 0.005
 
 
-def test_some_are_widest_and_some_thinnest_across_their_mirror():
+def test_some_kinds_are_widest_and_some_thinnest_along_their_normal():
     rank = {k: np.argsort(np.argsort(np.ptp(example(k)[0].points, axis=0)))[0] for k in SINGLE}
     assert {k for k in SINGLE if rank[k] == 2} >= {"aeroplane", "bird", "sofa", "spectacles"}
     assert {k for k in SINGLE if rank[k] == 0} >= {"bicycle", "fish", "hammer", "quadruped"}
@@ -117,7 +117,7 @@ def test_seeds_change_the_proportions(kind):
     assert np.ptp(shapes, axis=0).max() > 0.03
 
 
-def test_same_seed_same_object_another_seed_another():
+def test_the_same_seed_gives_the_same_object_and_another_seed_another():
     first, again, other = (generate("mug", num_points=50, rng=s) for s in (1, 1, 2))
     np.testing.assert_array_equal(first.points, again.points)
     assert not np.allclose(first.points, other.points)
@@ -125,12 +125,12 @@ def test_same_seed_same_object_another_seed_another():
     np.testing.assert_array_equal(first.points, from_generator.points)
 
 
-def test_the_sample_holds_no_mirror_twins():
+def test_a_sample_does_not_contain_the_mirror_images_of_its_points():
     points = generate("human", num_points=3000, rng=0).points
     images = points * [-1, 1, 1]
     distance = cKDTree(points).query(images)[0]
     spacing = cKDTree(points).query(points, k=2)[0][:, 1]
-    # a mirror image falls at random among the points, so it is as far from the nearest as they are from each other
+    # mirror images are independent of the points, so their nearest points are about one spacing away
     assert distance.min() > 1e-6
     assert 0.8 < np.median(distance) / np.median(spacing) < 1.25
 
@@ -175,7 +175,7 @@ def test_torus_and_ellipsoid_and_cone_densities_follow_their_areas(rng):
     assert chi_square_p(np.array([base, 10000 - base]), [share, 1 - share]) > 1e-3
 
 
-def test_a_union_has_its_outer_surface_only(rng):
+def test_a_union_is_sampled_on_its_outer_surface_only(rng):
     left, right = sphere((-0.3, 0, 0), 0.5), sphere((0.3, 0, 0), 0.4)
     p = sample_surface(union(left, right), 10000, rng)
     assert min(left(p.T).min(), right(p.T).min()) > -1e-9
@@ -220,7 +220,7 @@ def test_fields_are_bounded_by_the_distance_to_their_surface(field, rng):
     p = rng.uniform(-1.2, 1.2, (3000, 3))
     distance = cKDTree(surface).query(p)[0]
     assert np.all(np.abs(field(p.T.copy())) <= LIPSCHITZ * distance + 1e-9)
-    far = distance > 5 * gap  # there the sampled surface tells the distance well, and the field must be of its size
+    far = distance > 5 * gap  # far away, `distance` is accurate, and the field must be of the same size
     assert np.all(np.abs(field(p.T.copy()))[far] >= 0.4 * (distance[far] - gap))
 
 
@@ -232,7 +232,7 @@ def test_thin_parts_are_found(rng):
     assert cover(wire).shape[1] > 100
 
 
-def test_pose_moves_planes_and_axis_with_the_points(rng):
+def test_a_pose_moves_the_planes_and_the_axis_with_the_points(rng):
     for kind in ("car", "prism", "bowl"):
         sample, _ = example(kind)
         for reflect in (False, True, None):
@@ -255,7 +255,7 @@ def test_reflect_sets_the_handedness(rng):
         assert (volumes[0] * volumes[1] < 0) == reflect
 
 
-def test_bad_requests_are_named():
+def test_bad_arguments_are_refused():
     with pytest.raises(InvalidArgumentError, match=r"kind 'unicorn' is unknown: choose one of chair"):
         generate("unicorn")
     with pytest.raises(InvalidArgumentError, match="num_points"):
@@ -266,6 +266,6 @@ def test_bad_requests_are_named():
         sample_surface(sphere((9, 9, 9), 1.0), 10, np.random.default_rng(0))
 
 
-def test_the_generator_needs_no_jax():
+def test_datasets_are_imported_without_jax():
     code = "import sys, symjax.datasets; sys.exit('jax' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,4 +1,4 @@
-"""Real models: a surface or a scan with its plane, from a server on this machine."""
+"""Real models, downloaded from a server on this machine: the points, the surface and the plane of each."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ pytest.importorskip("pooch")
 pytestmark = pytest.mark.usefixtures("cache")
 
 
-def test_a_mesh_comes_with_its_plane_and_whom_to_thank(tent, cache):
+def test_a_mesh_comes_with_its_plane_licence_and_attribution(tent, cache):
     model = datasets.load("tent", num_samples=500, rng=3)
     np.testing.assert_array_equal(model.surface.vertices, CORNERS)
     assert model.surface.num_faces == 5
@@ -28,7 +28,7 @@ def test_a_mesh_comes_with_its_plane_and_whom_to_thank(tent, cache):
     assert model.path.read_bytes() == PRISM
 
 
-def test_its_points_are_those_of_its_file(tent):
+def test_the_points_are_sampled_as_read_points_samples_them(tent):
     model = datasets.load("tent", num_samples=100, rng=5)
     np.testing.assert_array_equal(model.points, read_points(model.path, num_samples=100, rng=5).points)
     np.testing.assert_array_equal(model.points, datasets.load("tent", num_samples=100, rng=5).points)
@@ -46,7 +46,7 @@ def test_a_scan_keeps_its_own_points_and_may_have_no_plane(site, monkeypatch):
     assert model.path.name == "scan.pcd"
 
 
-def test_what_a_caller_does_to_a_model_stays_with_the_caller(tent):
+def test_changing_a_model_does_not_change_the_registry(tent):
     model = datasets.load("tent")
     model.plane.normal[:] = 7
     model.plane.offset[...] = 7
@@ -55,8 +55,8 @@ def test_what_a_caller_does_to_a_model_stays_with_the_caller(tent):
     assert again.plane.offset == 0.5
 
 
-def test_bad_requests_are_named(tent, site):
-    with pytest.raises(InvalidArgumentError, match=r"no model 'unicorn': choose one of boat, boot, .*, spot, "):
+def test_bad_arguments_are_refused(tent, site):
+    with pytest.raises(InvalidArgumentError, match=r"model 'unicorn' is unknown: choose one of boat, boot, .*, spot, "):
         datasets.load("unicorn")
     with pytest.raises(InvalidArgumentError, match="num_samples must be at least 1, got 0"):
         datasets.load("tent", num_samples=0)
@@ -64,13 +64,13 @@ def test_bad_requests_are_named(tent, site):
 
 
 def as_published(path):
-    """A mesh beside the project, written as its publisher did: coordinates to six decimals."""
+    """Returns a mesh of the shared folder in the format of its publisher: coordinates to six decimals."""
     surface = MESHES[path.suffix](path.read_bytes())
     rows = ["v {:.6f} {:.6f} {:.6f}\n".format(*vertex) for vertex in surface.vertices]
     return "".join(rows + ["f {} {} {}\n".format(*corners) for corners in surface.triangles + 1]).encode()
 
 
-def test_originals_are_what_the_registry_says(models, site, monkeypatch):
+def test_the_registry_describes_the_originals(models, site, monkeypatch):
     bodies = {name: (models / f"{name}.pcd").read_bytes() for name in ("car6", "cturtle", "milk")}
     bodies["cat"] = as_published(models / "cat.obj")
     for name, body in bodies.items():

@@ -16,7 +16,7 @@ def test_inliers_are_mirror_pairs_and_outliers_are_not(rng, blob):
     assert np.linalg.norm(p.normal) == pytest.approx(1)
 
 
-def test_blobs_differ_in_their_width_across_the_mirror(rng):
+def test_blobs_differ_in_their_width_along_the_normal(rng):
     share = {}
     for blob in SEMI_AXES:
         p = planted_pairs(rng, 4000, 0.0, blob)
@@ -27,13 +27,13 @@ def test_blobs_differ_in_their_width_across_the_mirror(rng):
     assert share["thin"] == pytest.approx(0.4, abs=0.05)
 
 
-def test_same_seed_same_pairs():
+def test_the_same_seed_gives_the_same_pairs():
     a, b = (planted_pairs(np.random.default_rng(5), 10, 0.5) for _ in range(2))
     for left, right in zip(a, b, strict=True):
         np.testing.assert_array_equal(left, right)
 
 
-def test_bad_arguments_are_named(rng):
+def test_bad_arguments_are_refused(rng):
     with pytest.raises(InvalidArgumentError, match="'cube' is unknown"):
         planted_pairs(rng, 10, 0.5, "cube")
     with pytest.raises(InvalidArgumentError, match="between 0 and 1"):

@@ -1,4 +1,4 @@
-"""The registry of real models: every entry is pinned and complete."""
+"""The registry of real models: every entry is complete, and pinned to one version of its file."""
 
 import json
 import re
@@ -11,7 +11,7 @@ from symjax.io.points import CLOUDS, MESHES
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_every_address_is_secure_pinned_and_of_a_format_that_is_read(name):
+def test_every_entry_is_complete_and_pinned_to_one_commit(name):
     entry = MODELS[name]
     assert re.fullmatch(r"https://raw\.githubusercontent\.com/[\w-]+/[\w-]+/[0-9a-f]{40}/[\w/.-]+", entry.url)
     assert re.fullmatch(r"[0-9a-f]{64}", entry.sha256)
@@ -25,7 +25,7 @@ def test_every_address_is_secure_pinned_and_of_a_format_that_is_read(name):
         assert np.linalg.norm(entry.plane.normal) == 1
 
 
-def test_the_registry_is_the_one_beside_the_project(models):
+def test_the_registry_equals_the_shared_one(models):
     origins = json.loads((models.parent / "registry.json").read_text(encoding="utf-8"))
     planes = json.loads((models.parent / "planes.json").read_text(encoding="utf-8"))
     assert set(MODELS) == set(origins) == set(planes)
