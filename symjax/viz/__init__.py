@@ -1,1 +1,1 @@
-"""Pictures of anything that has points, a plane and pairs: an interactive page, and a raster image."""
+"""Pictures of a detection, or of any object with points, a plane and pairs: an interactive page and a PNG image."""

@@ -1,4 +1,4 @@
-"""The colours of all pictures."""
+"""The colours of all pictures, as red, green and blue from 0 to 255."""
 
 Rgb = tuple[int, int, int]
 
@@ -13,5 +13,5 @@ FAINT_INK = (107, 114, 128)
 
 
 def css(colour: Rgb, brightness: float = 1.0) -> str:
-    """The colour as style sheets write it."""
+    """Formats a colour as CSS, scaled by `brightness`."""
     return "rgb({}, {}, {})".format(*(round(brightness * channel) for channel in colour))

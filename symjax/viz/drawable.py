@@ -1,4 +1,4 @@
-"""What can be drawn: a cloud with a plane and pairs, such as the answer of `symjax.detect`."""
+"""Protocols of the objects that can be drawn: a cloud with its plane and pairs, such as a `symjax.Detection`."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -11,24 +11,24 @@ from symjax.geometry.plane import Plane
 
 @runtime_checkable
 class DrawablePairs(Protocol):
-    """Matched points: both ends, in the units of the cloud, and how well each pair agrees with the plane, 0 to 1."""
+    """Pairs of points, in the units of the cloud."""
 
     @property
     def x(self) -> Float[np.ndarray, "m 3"]:
-        """One end of every pair."""
+        """First point of each pair."""
 
     @property
     def y(self) -> Float[np.ndarray, "m 3"]:
-        """The other end."""
+        """Second point of each pair."""
 
     @property
     def weight(self) -> Float[np.ndarray, " m"]:
-        """Agreement of every pair with the plane."""
+        """How well each pair agrees with the plane, 0 to 1."""
 
 
 @runtime_checkable
 class DrawableCandidate(Protocol):
-    """A plane and its score."""
+    """A candidate plane and its score."""
 
     @property
     def plane(self) -> Plane:
@@ -36,16 +36,16 @@ class DrawableCandidate(Protocol):
 
     @property
     def score(self) -> float:
-        """How well the cloud agrees with it, on the method's scale."""
+        """Score of the plane, on the scale of the method."""
 
 
 @runtime_checkable
 class Drawable(Protocol):
-    """A cloud, its mirror plane, and how far to trust it; `symjax.Detection` is one."""
+    """A cloud, its mirror plane, and the evidence for the plane. `symjax.Detection` implements this protocol."""
 
     @property
     def points(self) -> Float[np.ndarray, "n 3"] | None:
-        """The cloud; None cannot be drawn."""
+        """The cloud. Drawing raises TooFewPointsError if it is None."""
 
     @property
     def plane(self) -> Plane:
@@ -53,39 +53,39 @@ class Drawable(Protocol):
 
     @property
     def candidates(self) -> Sequence[DrawableCandidate]:
-        """Distinct planes, the best first; the first is `plane`."""
+        """Distinct candidate planes, best first. The first is `plane`."""
 
     @property
     def pairs(self) -> DrawablePairs:
-        """The matched points."""
+        """The pairs that the plane was fitted to."""
 
     @property
     def inlier_weight(self) -> float:
-        """Weight from which on a pair agrees with the plane."""
+        """Smallest weight of a pair that counts as an inlier."""
 
     @property
     def inlier_fraction(self) -> float | None:
-        """Share of the pairs that agree with the plane; None without pairs."""
+        """Fraction of the pairs that are inliers; None if there are no pairs."""
 
     @property
     def found(self) -> bool:
-        """Whether the plane is a mirror plane."""
+        """Whether the method accepts the plane as a mirror plane."""
 
     @property
     def score(self) -> float:
-        """How well the cloud agrees with the plane, on the method's scale."""
+        """Score of the plane, on the scale of the method."""
 
     @property
     def threshold(self) -> float | None:
-        """What the score of a mirror plane exceeds; None for a method that has no threshold."""
+        """Value that the score of a mirror plane must exceed; None if the method has no threshold."""
 
     @property
     def ambiguous(self) -> bool:
-        """Whether other planes are as good."""
+        """Whether other planes are as good as this one."""
 
     @property
     def symmetry(self) -> str:
-        """What the mirror planes make up: "one plane", "several planes", "axis", "sphere" or "none"."""
+        """Type of the symmetry: "one plane", "several planes", "axis", "sphere" or "none"."""
 
     @property
     def method(self) -> str:
@@ -93,7 +93,7 @@ class Drawable(Protocol):
 
     @property
     def notes(self) -> Sequence[str]:
-        """What was done to the points, or found in them, as sentences."""
+        """Remarks about the cloud and its preprocessing, as sentences."""
 
     def on_surface(self) -> Bool[np.ndarray, " n"]:
-        """Which points belong to the object."""
+        """Returns a mask of the points that lie on the object."""

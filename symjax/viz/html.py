@@ -1,4 +1,4 @@
-"""An interactive page of a detection: the cloud with its plane and pairs, and the completed object."""
+"""The interactive page of a detection: the cloud with its plane and pairs, and the completed object."""
 
 import os
 from collections.abc import Sequence
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 MAX_POINTS = 20_000
 MAX_PAIRS = 1000
 REMOVED_SCALE = 0.4
-"""Size of the removed points, as a share of that of the surface's points."""
+"""Size of the removed points, relative to the points of the surface."""
 
 MAX_OTHERS = 4
-"""Candidate planes beside the best that the legend offers."""
+"""Largest number of further candidate planes in the legend."""
 
 DISTANT = 1e4
-"""A cloud this many sizes from the origin is drawn about its own middle: browsers draw in float32."""
+"""Distance from the origin, in sizes of the cloud, beyond which it is drawn about its centre: browsers use float32."""
 
 FINE = 0.55
-"""Size of the points that the pairs run through, beside that of points which close the surface."""
+"""Size of the points in the left view, relative to points that cover the surface, so that the pairs are visible."""
 
 ZOOM = 1.9
-"""Length in plotly's units of what is longest in the first view: an orthographic view's size is set by this."""
+"""Longest extent of the initial view, in plotly's units. It sets the size of an orthographic view."""
 
 LINK_VIEWS = """
 const page = document.getElementById("{plot_id}");
@@ -52,7 +52,7 @@ const copy = (change) => {
 page.on("plotly_relayouting", copy);
 page.on("plotly_relayout", copy);
 """
-"""Turning or zooming one view does it to the other; an orthographic view zooms by its aspect ratio."""
+"""Applies every rotation and zoom of one view to the other. An orthographic view zooms by its aspect ratio."""
 
 
 def write_html(
@@ -63,26 +63,26 @@ def write_html(
     max_points: int = MAX_POINTS,
     up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> None:
-    """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
+    """Writes the interactive figure as one self-contained page of about 5 MB, which loads nothing from the network.
 
-    Turning one of the two views turns the other.
+    Rotating one of the two views rotates the other.
 
     Args:
-        detection: what `symjax.detect` gave.
-        path: file to write; it is replaced if it exists.
-        title: the page's title, as plain text.
-        max_points: the most points of the cloud that are drawn.
-        up: what points up in the first view; by default the cloud's longest direction within the plane.
+        detection: the detection to draw.
+        path: file to write; an existing file is replaced.
+        title: title of the page, as plain text.
+        max_points: largest number of points to draw; a larger cloud is thinned.
+        up: direction that points up in the initial view; by default, the cloud's longest direction within the plane.
 
     Raises:
-        TooFewPointsError: the detection holds no points.
-        InvalidArgumentError: `max_points` or `up` is out of range, or the file cannot be written.
+        TooFewPointsError: if the detection has no points.
+        InvalidArgumentError: if `max_points` is below 1, `up` is not a direction, or the file cannot be written.
     """
     write_page(
         figure(detection, max_points=max_points, up=up),
         path,
         title=title,
-        notes=(f"method {detection.method}", *detection.notes),
+        notes=(f"Method: {detection.method}", *detection.notes),
         buttons=["toImage", "resetCameraDefault3d"],
         script=LINK_VIEWS,
     )
@@ -91,23 +91,25 @@ def write_html(
 def figure(
     detection: Drawable, *, max_points: int = MAX_POINTS, up: Sequence[float] | Float[np.ndarray, " 3"] | None = None
 ) -> "Figure":
-    """A plotly figure of two views: cloud, plane and pairs; and the cloud with its mirror image.
+    """Makes a plotly figure with two views: the cloud with its plane and pairs, and the cloud with its mirror image.
 
-    Pairs that agree with the plane, those of the answer's inlier weight or more, are red, their ends the redder the
-    more they weigh; the others are faint and grey. The legend gives the numbers of all of them, shows and hides each
-    part, and offers the planes of the other candidates. A cloud very far from the origin is drawn about its own
-    middle, which the axis titles then give.
+    Inlier pairs are red, and their ends are redder for a higher weight; rejected pairs are faint and grey. The legend
+    gives the number of pairs of both kinds. A click on an entry of the legend shows or hides a part, such as the plane
+    of another candidate. A cloud very far from the origin is drawn about its centre, which the axis titles then give.
 
     Args:
-        detection: what `symjax.detect` gave.
-        max_points: the most points of the cloud that are drawn.
-        up: what points up; by default the cloud's longest direction within the plane.
+        detection: the detection to draw.
+        max_points: largest number of points to draw; a larger cloud is thinned.
+        up: direction that points up; by default, the cloud's longest direction within the plane.
+
+    Returns:
+        The figure.
 
     Raises:
-        TooFewPointsError: the detection holds no points.
-        InvalidArgumentError: `max_points` or `up` is out of range.
+        TooFewPointsError: if the detection has no points.
+        InvalidArgumentError: if `max_points` is below 1, or `up` is not a direction.
     """
-    from plotly.graph_objects import Figure  # a good part of a second, for those who draw
+    from plotly.graph_objects import Figure  # imported here because it takes a large part of a second
 
     scene = scenes.build(detection, max_points=max_points, max_pairs=MAX_PAIRS, up=up)
     is_distant = bool(np.abs(scene.origin).max() > DISTANT * scene.size)
@@ -116,7 +118,7 @@ def figure(
     traces = [
         points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene", scale=FINE),
         points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene2", showlegend=False),
-        points_trace(scene.mirrored + shift, light, "its mirror image", colours.MIRRORED, scene="scene2"),
+        points_trace(scene.mirrored + shift, light, "mirror image", colours.MIRRORED, scene="scene2"),
         *plane_traces(scene.quad + shift, "mirror plane", colours.PLANE),
     ]
     if len(scene.removed):
@@ -133,14 +135,14 @@ def figure(
         )
         traces.append(drawn)
     for rank, quad in enumerate(scene.others[:MAX_OTHERS], start=2):
-        name = f"candidate {rank}, score {detection.candidates[rank - 1].score:.3f}"
+        name = f"candidate {rank} (score {detection.candidates[rank - 1].score:.3f})"
         traces += plane_traces(quad + shift, name, colours.REJECTED, visible="legendonly")
     return Figure(data=traces, layout=_layout(detection, scene, shift))
 
 
 def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, " 3"]) -> dict[str, Any]:
-    """Headline, legend, and two views of the same box from the same side, without grids."""
-    equation, verdict = (escape(line) for line in scenes.headline(detection))
+    """Returns the layout: headline, legend, and two views of the same box from the same direction, without grids."""
+    equation, evidence = (escape(line) for line in scenes.headline(detection))
     low, high = scenes.box(scene, np.eye(3))
     low, high = low - 0.02 * scene.size, high + 0.02 * scene.size
     longest = np.ptp(scenes.box(scene, np.stack(scene.view[:2]).T), axis=0).max()
@@ -154,13 +156,13 @@ def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, "
             "projection": {"type": "orthographic"},
         },
     }
-    for name, bottom, top, middle, moved in zip(
+    for name, bottom, top, centre, is_shifted in zip(
         "xyz", low + shift, high + shift, scene.origin, scene.origin - shift, strict=True
     ):
         space[f"{name}axis"] = {
             "range": [bottom, top],
-            "visible": bool(moved),
-            "title": {"text": f"{name} {'−' if middle > 0 else '+'} {abs(middle):.9g}"},
+            "visible": bool(is_shifted),
+            "title": {"text": f"{name} {'−' if centre > 0 else '+'} {abs(centre):.9g}"},
             "showgrid": False,
             "showbackground": False,
             "zeroline": False,
@@ -172,7 +174,7 @@ def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, "
         "template": "none",
         "font": {"family": FONT, "size": 14, "color": faint},
         "title": {
-            "text": f"{equation}<br><span style='font-size:15px;color:{faint}'>{verdict}</span>",
+            "text": f"{equation}<br><span style='font-size:15px;color:{faint}'>{evidence}</span>",
             "font": {"size": 22, "color": css(colours.INK)},
             "x": 0.0,
             "xref": "container",

@@ -1,4 +1,4 @@
-"""A plotly figure as one self-contained page that fetches nothing."""
+"""Writes plotly figures as self-contained pages that load nothing from the network."""
 
 import os
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ DIV_ID = "symjax-figure"
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:"
-"""The browser itself refuses to fetch anything; plotly compiles its drawing code, hence the eval."""
+"""Content security policy: the browser refuses to load anything. Plotly compiles drawing code, so it needs eval."""
 
 PAGE = """<!doctype html>
 <html lang="en">
@@ -51,18 +51,18 @@ def write_page(
     buttons: list[str] | None = None,
     script: str | None = None,
 ) -> None:
-    """Write the figure as one file: plotly's script is inside (about 5 MB).
+    """Writes a figure as one file of about 5 MB, which contains plotly's script.
 
     Args:
-        figure: what the page shows.
-        path: file to write; it is replaced if it exists.
-        title: the page's title, as plain text.
+        figure: figure to show.
+        path: file to write; an existing file is replaced.
+        title: title of the page, as plain text.
         notes: sentences below the figure, as plain text.
-        buttons: plotly's names of the buttons above the figure; none by default.
-        script: run when the figure is drawn; `{plot_id}` in it is the figure's id.
+        buttons: plotly's names of the buttons above the figure; by default there are none.
+        script: JavaScript to run after the figure is drawn; `{plot_id}` stands for the figure's id.
 
     Raises:
-        InvalidArgumentError: the file cannot be written.
+        InvalidArgumentError: if the file cannot be written.
     """
     bar: dict[str, Any] = {"modeBarButtons": [buttons]} if buttons else {"displayModeBar": False}
     body = figure.to_html(

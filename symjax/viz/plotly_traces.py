@@ -1,4 +1,4 @@
-"""The parts of the interactive figure: points, planes and pairs as plotly traces (plain dictionaries)."""
+"""Points, planes and pairs as plotly traces, which are plain dictionaries."""
 
 from typing import Any
 
@@ -10,18 +10,18 @@ from symjax.geometry.local_frames import local_frames
 from symjax.viz.colours import PAIR, REJECTED, Rgb, css
 from symjax.viz.scene import Scene
 
-LAMP_NEIGHBOURS = 16
-"""Neighbours that give a point the normal by which it is lit."""
+LIGHTING_NEIGHBOURS = 16
+"""Number of neighbours from which the normal of a point is estimated for the lighting."""
 
 DARKEST = 0.45
-"""Brightness of a point whose surface is seen edge on."""
+"""Brightness of a point whose surface is seen edge-on."""
 
 
 def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " n"]:
-    """Light on every point from a lamp beside the viewer, 0 to 1: shows shape, and needs no normal orientation."""
-    if len(points) < LAMP_NEIGHBOURS:
+    """Computes the light on each point from a lamp at the viewer, 0 to 1. The sign of the normals does not matter."""
+    if len(points) < LIGHTING_NEIGHBOURS:
         return np.ones(len(points))
-    neighbours = cKDTree(points).query(points, LAMP_NEIGHBOURS)[1]
+    neighbours = cKDTree(points).query(points, LIGHTING_NEIGHBOURS)[1]
     return np.abs(local_frames(points, neighbours)[1][:, :, 0] @ toward)
 
 
@@ -34,7 +34,7 @@ def points_trace(
     scale: float = 1.0,
     **options: Any,
 ) -> dict[str, Any]:
-    """Points that just close a surface, lit; the brightest first, since the legend shows the first one's colour."""
+    """Makes a trace of lit points that cover the surface. The brightest is first: the legend shows the first colour."""
     order = np.argsort(-light, kind="stable")
     return {
         "type": "scatter3d",
@@ -56,7 +56,7 @@ def points_trace(
 
 
 def plane_traces(quad: Float[np.ndarray, "4 3"], name: str, colour: Rgb, **options: Any) -> list[dict[str, Any]]:
-    """A translucent quad and its edge, under one legend entry."""
+    """Makes two traces, a translucent quad and its edge, with one legend entry."""
     shared = {"name": name, "legendgroup": name, "hoverinfo": "skip", "scene": "scene", **options}
     face = {
         "type": "mesh3d",
@@ -90,17 +90,20 @@ def pairs_trace(
     width: float,
     opacity: float,
 ) -> dict[str, Any]:
-    """The chosen pairs as one trace: segments with a gap after each, their ends coloured by weight.
+    """Makes one trace of the chosen pairs: segments separated by gaps, with ends coloured by weight.
 
     Args:
-        scene: what is drawn.
-        shift: added to all coordinates.
-        chosen: which of its pairs.
-        total: pairs that they stand for, which the legend gives.
-        name: what the legend calls them.
-        colour: of the segments.
-        width: of the segments.
-        opacity: of segments and ends.
+        scene: the scene whose pairs are drawn.
+        shift: vector added to all coordinates.
+        chosen: mask of the pairs to draw.
+        total: number of pairs of this kind, drawn or not, for the legend.
+        name: name in the legend.
+        colour: colour of the segments.
+        width: width of the segments.
+        opacity: opacity of the segments and their ends.
+
+    Returns:
+        The trace.
     """
     gap = np.full((int(chosen.sum()), 3), np.nan)
     ends = np.stack([scene.x[chosen] + shift, scene.y[chosen] + shift, gap], axis=1).reshape(-1, 3)
@@ -108,7 +111,7 @@ def pairs_trace(
     return {
         "type": "scatter3d",
         "mode": "lines+markers",
-        "name": f"{name} ({total})" if total == len(gap) else f"{name} ({total}, {len(gap)} of them drawn)",
+        "name": f"{name} ({total})" if total == len(gap) else f"{name} ({total}, {len(gap)} drawn)",
         "scene": "scene",
         **_columns(ends),
         "line": {"color": css(colour), "width": width},
@@ -131,5 +134,5 @@ def _columns(points: Float[np.ndarray, "n 3"]) -> dict[str, Float[np.ndarray, " 
 
 
 def coordinates(vector: Float[np.ndarray, " 3"]) -> dict[str, float]:
-    """The vector as plotly writes one."""
+    """Returns the vector in the form that plotly expects."""
     return dict(zip("xyz", vector.tolist(), strict=True))

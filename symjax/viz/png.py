@@ -1,6 +1,6 @@
-"""A picture of a detection for a page or a talk: cloud, plane and pairs, and the completed object.
+"""The PNG image of a detection: the cloud with its plane and pairs, and the completed object.
 
-Drawn with Pillow and NumPy alone.
+It is drawn with Pillow and NumPy only.
 """
 
 import os
@@ -23,16 +23,25 @@ MAX_POINTS = 300_000
 MAX_PAIRS = 250
 SMALLEST_SIZE = (400, 240)
 SUPERSAMPLING = 2
-"""Pixels are drawn this much finer and averaged: smooth edges."""
+"""Factor of supersampling in both directions, which smooths edges."""
 
 BACKGROUND = (255, 255, 255)
 PLANE_OPACITY = 0.28
 COINCIDENT = 0.02
-"""The mirrored cloud stands back by this share of the size: where both have surface, the input is seen."""
+"""Distance by which the mirror image is moved away from the viewer, as a fraction of the scene's size. Where cloud and
+mirror image coincide, the cloud is seen."""
 
 
 class Panel(NamedTuple):
-    """A view fitted into a rectangle of supersampled pixels."""
+    """A view, scaled to a rectangle of supersampled pixels.
+
+    Attributes:
+        view: directions of the view.
+        centre: point at the centre of the rectangle, along the right and up directions.
+        scale: pixels per unit of length.
+        width: width of the rectangle in pixels.
+        height: height of the rectangle in pixels.
+    """
 
     view: scenes.View
     centre: Float[np.ndarray, " 2"]
@@ -41,7 +50,7 @@ class Panel(NamedTuple):
     height: int
 
     def project(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Pixel column, pixel row, and nearness to the viewer in pixels."""
+        """Projects points to pixel column, pixel row, and nearness to the viewer in pixels."""
         column, row, near = (points @ np.stack(self.view).T).T
         return np.stack(
             [
@@ -53,7 +62,7 @@ class Panel(NamedTuple):
         )
 
     def pixels(self, points: Float[np.ndarray, "n 3"]) -> list[tuple[float, float]]:
-        """Pixel positions as Pillow wants them."""
+        """Projects points to pixel positions in the form that Pillow expects."""
         return [(float(column), float(row)) for column, row, _ in self.project(points)]
 
 
@@ -64,21 +73,20 @@ def write_png(
     size: tuple[int, int] = (1500, 750),
     up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> None:
-    """Write the picture of a detection: cloud, plane and pairs on the left, the completed cloud on the right.
+    """Writes an image of a detection: the cloud, its plane and its pairs on the left, the completed cloud on the right.
 
-    The same detection gives the same bytes. The view is chosen from the plane: its normal points sideways,
-    27° off. Pairs that agree with the plane are red, the firmer the more they weigh; the others are faint
-    and grey.
+    The same detection gives the same bytes. The plane is seen 27° from edge-on. Inlier pairs are red, and more opaque
+    for a higher weight; rejected pairs are faint and grey.
 
     Args:
-        detection: what `symjax.detect` gave.
-        path: file to write; it is replaced if it exists.
+        detection: the detection to draw.
+        path: file to write; an existing file is replaced.
         size: width and height in pixels.
-        up: what points up in the picture; by default the cloud's longest direction within the plane.
+        up: direction that points up; by default, the cloud's longest direction within the plane.
 
     Raises:
-        TooFewPointsError: the detection holds no points.
-        InvalidArgumentError: `size` is too small, `up` is no direction, or the file cannot be written.
+        TooFewPointsError: if the detection has no points.
+        InvalidArgumentError: if `size` is too small, `up` is not a direction, or the file cannot be written.
     """
     image = draw(detection, size=size, up=up)
     with replacing(path) as temporary:
@@ -91,9 +99,9 @@ def draw(
     size: tuple[int, int] = (1500, 750),
     up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> Image.Image:
-    """The picture as a Pillow image; arguments and errors as for `write_png`."""
+    """Draws the image of `write_png` as a Pillow image, with the same arguments and errors."""
     if size[0] < SMALLEST_SIZE[0] or size[1] < SMALLEST_SIZE[1]:
-        raise InvalidArgumentError(f"size must be at least {SMALLEST_SIZE}, got {size}")
+        raise InvalidArgumentError(f"size must be at least {SMALLEST_SIZE} pixels, got {size}")
     scene = scenes.build(detection, max_points=MAX_POINTS, max_pairs=MAX_PAIRS, up=up)
     width, height = size
     unit = min(height, width / 2) / 750
@@ -111,7 +119,7 @@ def draw(
 
 
 def _fit(scene: scenes.Scene, width: int, height: int) -> Panel:
-    """The largest view of the completed cloud and the quad in a panel of this size in pixels."""
+    """Scales the view so that the completed cloud and the quad fill a panel of this size in pixels."""
     low, high = scenes.box(scene, np.stack(scene.view[:2]).T)
     width, height = width * SUPERSAMPLING, height * SUPERSAMPLING
     scale = 0.94 * float(np.min(np.array([width, height]) / np.maximum(high - low, 1e-3 * scene.size)))
@@ -126,7 +134,7 @@ def _draw_panel(
     *,
     pairs: bool,
 ) -> Image.Image:
-    """Back to front: what is behind the plane, the plane, what is before it."""
+    """Draws from back to front: the points behind the plane, the plane, and the points in front of it."""
     projected = panel.project(points)
     projected[is_mirrored, 2] -= COINCIDENT * scene.size * panel.scale
     paint = np.where(is_mirrored[:, None], colours.MIRRORED, colours.CLOUD)
@@ -157,21 +165,21 @@ def _draw_panel(
 
 
 def _draw_removed(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "s 3"]) -> None:
-    """Small faint dots behind everything."""
+    """Draws the removed points as small faint dots, behind everything else."""
     brush = ImageDraw.Draw(canvas)
     for x, y in panel.pixels(points):
         brush.circle((x, y), SUPERSAMPLING, fill=colours.REMOVED)
 
 
 def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
-    """Discs that just close the surface of a cloud that fills about half of its box."""
+    """Chooses the radius at which the discs just cover the surface, if the cloud fills about half of its box."""
     low, high = scenes.reach(projected[:, :2])
     spacing = np.sqrt(np.prod(high - low) / len(projected))
     return int(np.clip(round(0.9 * spacing), SUPERSAMPLING, 0.009 * panel.height))
 
 
 def _draw_plane(canvas: Image.Image, panel: Panel, quad: Float[np.ndarray, "4 3"]) -> None:
-    """The quad, translucent, with a firm edge."""
+    """Draws the quad as a translucent face with an almost opaque edge."""
     brush = ImageDraw.Draw(canvas, "RGBA")
     corners = panel.pixels(quad)
     brush.polygon(corners, fill=(*colours.PLANE, round(255 * PLANE_OPACITY)))
@@ -179,7 +187,7 @@ def _draw_plane(canvas: Image.Image, panel: Panel, quad: Float[np.ndarray, "4 3"
 
 
 def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: float) -> None:
-    """The parts of the pairs' segments, and their ends, on one side of the plane; the weightiest last."""
+    """Draws the parts of the pairs on one side of the plane, segments and ends, in the order of their weights."""
     brush = ImageDraw.Draw(canvas, "RGBA")
     ends = np.stack([scene.x, scene.y])
     heights = sign * np.stack([scene.plane.signed_distance(end) for end in ends])
@@ -199,7 +207,7 @@ def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: fl
 
 
 def _pair_paint(weight: float, is_inlier: bool) -> tuple[colours.Rgb, int]:
-    """Colour and opacity (0 to 255) of a pair."""
+    """Returns the colour and the opacity (0 to 255) of a pair."""
     return (colours.PAIR, round(100 + 120 * weight)) if is_inlier else (colours.REJECTED, 70)
 
 
@@ -211,17 +219,17 @@ def _font(pixels: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 def _write_text(
     brush: ImageDraw.ImageDraw, headline: tuple[str, str], scene: scenes.Scene, size: tuple[int, int], unit: float
 ) -> None:
-    """The headline above both panels, and under each a legend."""
+    """Writes the headline above both panels, and a legend below each."""
     width, height = size
     margin = round(28 * unit)
-    equation, verdict = headline
+    equation, evidence = headline
     brush.text((margin, 20 * unit), equation, fill=colours.INK, font=_font(round(30 * unit)))
-    brush.text((margin, 62 * unit), verdict, fill=colours.FAINT_INK, font=_font(round(20 * unit)))
+    brush.text((margin, 62 * unit), evidence, fill=colours.FAINT_INK, font=_font(round(20 * unit)))
     legends = (
         [(colours.CLOUD, "cloud"), (colours.PLANE, "mirror plane")]
-        + ([(colours.PAIR, "matched pairs"), (colours.REJECTED, "rejected")] if len(scene.weight) else [])
+        + ([(colours.PAIR, "matched pairs"), (colours.REJECTED, "rejected pairs")] if len(scene.weight) else [])
         + ([(colours.REMOVED, "removed points")] if len(scene.removed) else []),
-        [(colours.CLOUD, "cloud"), (colours.MIRRORED, "its mirror image")],
+        [(colours.CLOUD, "cloud"), (colours.MIRRORED, "mirror image")],
     )
     font = _font(round(18 * unit))
     middle, dot = height - 26 * unit, 6 * unit

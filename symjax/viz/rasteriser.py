@@ -1,24 +1,24 @@
-"""Point clouds as shaded discs in a depth buffer, with NumPy alone.
+"""Rasterises point clouds as shaded discs with a depth buffer, in NumPy only.
 
-A pixel is darkened where something nearer to the viewer stands beside it: eye-dome lighting (Boucheny, "Interactive
-scientific visualisation of large datasets: towards a perceptive-based approach", 2009). It shows shape and asks
-for no normals.
+The shading is eye-dome lighting: a pixel is darkened if its neighbours are nearer to the viewer (Boucheny, "Interactive
+scientific visualisation of large datasets: towards a perceptive-based approach", 2009). It shows the shape without
+normals.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 SHADOW = 0.9
-"""Exponent of the darkest shadow: light falls to exp(-0.9)."""
+"""Exponent of the darkest shadow, whose light is exp(-0.9)."""
 
 SHADOW_DEPTH = 0.04
-"""Step in depth, as a share of the scene's size, that gives half of the darkest shadow."""
+"""Difference in depth that gives half of the darkest shadow, as a fraction of the scene's size."""
 
-RIM = 0.15
-"""Loss of light at a disc's rim: discs stay apart where they overlap."""
+EDGE_DARKENING = 0.15
+"""Loss of light at the edge of a disc, so that overlapping discs can be distinguished."""
 
 HAZE = 0.35
-"""Share of white in the farthest points."""
+"""Fraction of white in the colour of the farthest points."""
 
 
 def shaded_discs(
@@ -31,24 +31,27 @@ def shaded_discs(
     height: int,
     width: int,
 ) -> tuple[UInt8[np.ndarray, "height width 3"], Bool[np.ndarray, "height width"]]:
-    """Picture of the points, and where in it they are.
+    """Draws points as shaded discs.
 
     Args:
         centres: pixel column, pixel row, and nearness to the viewer in pixels.
-        colours: 0 to 255.
-        radius: of the discs, in pixels.
-        size: of the scene, in pixels.
-        depths: nearness at which the haze is full, and at which there is none.
-        height: rows of the picture.
-        width: its columns.
+        colours: red, green and blue of each point, 0 to 255.
+        radius: radius of the discs, in pixels.
+        size: size of the scene, in pixels.
+        depths: nearness to the viewer at which the haze is full, and at which there is none.
+        height: number of rows of the image.
+        width: number of columns of the image.
+
+    Returns:
+        The image, and a mask of the pixels that a disc covers.
     """
     ahead = np.argsort(centres[:, 2], kind="stable")
     centres, colours = centres[ahead], colours[ahead]
-    winner, rim = _splat(centres[:, :2], radius, height, width)
+    winner, edge = _splat(centres[:, :2], radius, height, width)
     covered = winner >= 0
     near = np.full(winner.shape, -np.inf)
     near[covered] = here = centres[winner[covered], 2]
-    light = _eye_dome_lighting(near, covered, radius, SHADOW_DEPTH * size) * (1 - RIM * rim[covered])
+    light = _eye_dome_lighting(near, covered, radius, SHADOW_DEPTH * size) * (1 - EDGE_DARKENING * edge[covered])
     far_end, near_end = depths
     haze = HAZE * np.clip((near_end - here) / max(near_end - far_end, 1e-9 * size), 0, 1)
     lit = colours[winner[covered]] * light[:, None]
@@ -60,27 +63,27 @@ def shaded_discs(
 def _splat(
     centres: Float[np.ndarray, "n 2"], radius: int, height: int, width: int
 ) -> tuple[Int[np.ndarray, "height width"], Float[np.ndarray, "height width"]]:
-    """The nearest disc at every pixel (−1: none) and how close to that disc's rim the pixel is (0 to 1).
+    """Finds the nearest disc at each pixel (−1 for none), and (d / radius)² at distance d from the centre of that disc.
 
-    `centres` come farthest first: of several writes to one pixel NumPy keeps the last, which is the nearest.
+    `centres` must be sorted, farthest first. If several discs cover a pixel, NumPy keeps the last write, the nearest.
     """
     index = np.flatnonzero(((centres >= 0) & (centres < (width, height))).all(axis=1))
     columns, rows = centres[index].astype(np.int64).T
-    stride = width + 2 * radius  # a border as wide as a disc: no disc needs clipping
-    home = (rows + radius) * stride + columns + radius
+    stride = width + 2 * radius  # a border as wide as a radius, so that no disc is clipped
+    centre_pixel = (rows + radius) * stride + columns + radius
     winner = np.full(stride * (height + 2 * radius), -1, np.int64)
-    rim = np.zeros(len(winner), np.float32)
+    edge = np.zeros(len(winner), np.float32)
     for dy, dx in _disc(radius):
-        pixel = home + dy * stride + dx
+        pixel = centre_pixel + dy * stride + dx
         wins = index > winner[pixel]
         winner[pixel[wins]] = index[wins]
-        rim[pixel[wins]] = (dx * dx + dy * dy) / (radius * radius)
+        edge[pixel[wins]] = (dx * dx + dy * dy) / (radius * radius)
     crop = (slice(radius, radius + height), slice(radius, radius + width))
-    return winner.reshape(-1, stride)[crop], rim.reshape(-1, stride)[crop]
+    return winner.reshape(-1, stride)[crop], edge.reshape(-1, stride)[crop]
 
 
 def _disc(radius: int) -> list[tuple[int, int]]:
-    """Offsets of the pixels of a disc."""
+    """Returns the offsets (row, column) of the pixels of a disc."""
     span = range(-radius, radius + 1)
     return [(dy, dx) for dy in span for dx in span if dx * dx + dy * dy <= radius * (radius + 0.5)]
 
@@ -88,19 +91,20 @@ def _disc(radius: int) -> list[tuple[int, int]]:
 def _eye_dome_lighting(
     near: Float[np.ndarray, "height width"], covered: Bool[np.ndarray, "height width"], step: int, half: float
 ) -> Float[np.ndarray, " p"]:
-    """Light in (0, 1] of the covered pixels: less where pixels `step` or 3 `step` away are nearer.
+    """Computes the light on the covered pixels, in (0, 1].
 
-    `near` is −inf where nothing is drawn; a difference of `half` in depth gives half of the full shadow.
+    A pixel is darkened by pixels `step` and 3 `step` away that are nearer to the viewer. A difference of `half` in
+    depth gives half of the full shadow. `near` is −inf at pixels that are not covered.
     """
     border = 3 * step
     padded = np.pad(near, border, constant_values=-np.inf)
     rows, columns = np.nonzero(covered)
-    home = (rows + border) * padded.shape[1] + columns + border
+    centre_pixel = (rows + border) * padded.shape[1] + columns + border
     here = near[covered]
     shade = np.zeros_like(here)
     for reach in (step, 3 * step):
         for dy, dx in ((-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)):
-            neighbour = padded.ravel()[home + reach * (dy * padded.shape[1] + dx)]
+            neighbour = padded.ravel()[centre_pixel + reach * (dy * padded.shape[1] + dx)]
             rise = np.maximum(neighbour - here, 0)
             shade += rise / (rise + half)
     return np.exp(-SHADOW * shade / 8)

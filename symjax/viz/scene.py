@@ -1,10 +1,10 @@
-"""What the page and the picture of a detection share: view, plane's quad, pairs, headline."""
+"""The scene that the page and the PNG image of a detection both draw, and their headline."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Shaped
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
 from symjax.geometry.plane import Plane
@@ -12,25 +12,31 @@ from symjax.geometry.similarity import Similarity
 from symjax.viz.drawable import Drawable
 
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
-"""Turn of the view about the up direction, and its lift: both halves and the plane's face are seen."""
+"""Rotation of the view about the up direction, away from within the plane, and its elevation above the horizon.
+Both halves of the object and the face of the plane are visible."""
 
-AS_GOOD = "others are as good"
-
-OTHERS = {
-    "axis": "all planes through an axis are as good",
-    "sphere": "all planes through a centre are as good",
+AMBIGUOUS = {
+    "axis": "every plane through the axis is equally good",
+    "sphere": "every plane through the centre is equally good",
 }
-"""What the headline adds for an ambiguous detection, by its symmetry, in place of `AS_GOOD`."""
+SEVERAL = "other planes are equally good"
+"""End of the headline of an ambiguous detection, by its symmetry; `SEVERAL` for all other symmetries."""
 
 MARGIN = 1.08
-"""The quad reaches this much further than the cloud does."""
+"""Size of the plane's quad, relative to the extent of the cloud."""
 
-SLIMMEST = 0.15
-"""The quad's half-sides are at least this share of the cloud's size, so that a flat cloud's plane is seen."""
+MIN_HALF_SIDE = 0.15
+"""Smallest half-side of the quad, as a fraction of the cloud's size, so that the plane of a flat cloud is visible."""
 
 
 class View(NamedTuple):
-    """An orthonormal frame of the picture: `right`, `up`, and `toward` the viewer."""
+    """Orthonormal frame of the picture.
+
+    Attributes:
+        right: direction to the right.
+        up: upward direction.
+        toward: direction towards the viewer.
+    """
 
     right: Float[np.ndarray, " 3"]
     up: Float[np.ndarray, " 3"]
@@ -38,24 +44,26 @@ class View(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """A detection ready to draw, about `origin`, so that a distant cloud keeps its digits.
+    """A detection that is ready to draw. All coordinates but `origin` are relative to `origin`.
+
+    A cloud far from the origin of its coordinates therefore keeps its precision.
 
     Attributes:
-        origin: middle of the cloud, in the given coordinates.
-        size: of the cloud, the diagonal of its box.
-        cloud: its points.
-        mirrored: their mirror images.
-        removed: the points that were removed: outliers, or a ground plane.
+        origin: centre of the cloud.
+        size: diagonal of the cloud's bounding box.
+        cloud: points on the object.
+        mirrored: mirror images of the points.
+        removed: points that were removed: outliers and the ground plane.
         plane: the mirror plane.
-        quad: corners of its part that is shown.
-        others: the same of the other candidates.
-        x: one end of every pair that is drawn.
-        y: the other end.
-        weight: how well these pairs agree with the plane, 0 to 1.
-        is_inlier: which of them count as agreeing.
-        num_inliers: pairs that do, drawn or not.
-        num_pairs: all pairs.
-        view: from where it is seen.
+        quad: corners of the quad that represents the plane.
+        others: corners of the quads of the other candidates.
+        x: first point of each drawn pair.
+        y: second point of each drawn pair.
+        weight: how well each drawn pair agrees with the plane, 0 to 1.
+        is_inlier: whether each drawn pair is an inlier.
+        num_inliers: number of inliers among all pairs.
+        num_pairs: number of all pairs.
+        view: frame of the picture.
     """
 
     origin: Float[np.ndarray, " 3"]
@@ -82,27 +90,30 @@ def build(
     max_pairs: int,
     up: Sequence[float] | Float[np.ndarray, " 3"] | None = None,
 ) -> Scene:
-    """Thin, centre and frame a detection.
+    """Thins and centres a detection, and chooses its view.
 
     Args:
-        detection: what `symjax.detect` gave. Points that are not finite are not drawn.
-        max_points: the most points of the cloud that are kept.
-        max_pairs: the most pairs that are kept.
-        up: what points up in the picture; by default the cloud's longest direction within the plane.
+        detection: the detection to draw. Points with NaN or infinite coordinates are not drawn.
+        max_points: largest number of points to keep.
+        max_pairs: largest number of pairs to keep.
+        up: direction that points up in the picture; by default, the cloud's longest direction within the plane.
+
+    Returns:
+        The scene.
 
     Raises:
-        TooFewPointsError: the detection holds no finite point; one that was loaded from a file may hold none.
-        InvalidArgumentError: `max_points` is not positive, or `up` is not a direction.
+        TooFewPointsError: if the detection has no finite points, or was loaded from a file without its points.
+        InvalidArgumentError: if `max_points` is below 1, or `up` is not a direction.
     """
     if max_points < 1:
-        raise InvalidArgumentError(f"max_points must be positive, got {max_points}: give at least 1")
+        raise InvalidArgumentError(f"max_points must be at least 1, got {max_points}")
     if detection.points is None:
-        raise TooFewPointsError("the detection was loaded without its points: give them to load(path, points=...)")
+        raise TooFewPointsError("the detection was loaded without its points: pass them, as in load(path, points=...)")
     given = np.asarray(detection.points, dtype=np.float64)
     on_surface = detection.on_surface()
     points = given[on_surface]
     if not len(points):
-        raise TooFewPointsError("the detection holds no finite point to draw: run detect on the cloud again")
+        raise TooFewPointsError("the detection has no finite point to draw: run detect on the cloud again")
     removed = thin(given[~on_surface & np.isfinite(given).all(axis=1)], max_points)
     points = thin(points, max_points)
     low, high = reach(points)
@@ -138,29 +149,29 @@ def build(
 
 
 def headline(detection: Drawable) -> tuple[str, str]:
-    """The plane's equation, and a sentence on how far to trust it. ASCII but for the middle dot."""
+    """Returns two lines: the plane's equation, and the evidence for it. All characters but the middle dot are ASCII."""
     normal = ", ".join(f"{component:z.4f}" for component in np.asarray(detection.plane.normal))
-    verdict = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
-    evidence = f"score {detection.score:.3f}"
+    name = "Mirror plane" if detection.found else "No mirror plane found; best candidate"
+    evidence = f"Score {detection.score:.3f}"
     if detection.threshold is not None:
         relation = "above" if detection.score > detection.threshold else "not above"
-        evidence += f", {relation} the threshold {detection.threshold:.3f}"
+        evidence += f", {relation} the threshold of {detection.threshold:.3f}"
     if detection.inlier_fraction is not None:
-        evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs agree"
+        evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs are inliers"
     if detection.ambiguous:
-        evidence += f"; one of several: {OTHERS.get(detection.symmetry, AS_GOOD)}"
-    return f"{verdict} ({normal}) · x = {float(detection.plane.offset):z.6g}", evidence
+        evidence += f"; ambiguous: {AMBIGUOUS.get(detection.symmetry, SEVERAL)}"
+    return f"{name} ({normal}) · x = {float(detection.plane.offset):z.6g}", evidence
 
 
-def thin(rows: np.ndarray, most: int) -> np.ndarray:
-    """At most `most` of the rows, in order; at random, as a stride would show the file's scan lines."""
-    if len(rows) <= most:
+def thin(rows: Shaped[np.ndarray, "n ..."], max_rows: int) -> Shaped[np.ndarray, "m ..."]:
+    """Keeps at most `max_rows` of the rows, in order. They are random, because a stride could keep whole scan lines."""
+    if len(rows) <= max_rows:
         return rows
-    return rows[np.sort(np.random.default_rng(0).choice(len(rows), most, replace=False))]
+    return rows[np.sort(np.random.default_rng(0).choice(len(rows), max_rows, replace=False))]
 
 
 def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
-    """Lower and upper corner of the box worth showing: a few points far away do not shrink the rest."""
+    """Returns the lower and the upper corner of the box to show, which a few distant points do not enlarge much."""
     low, high = np.quantile(coordinates, (0.005, 0.995), axis=0)
     slack = 0.5 * (high - low)
     return (
@@ -170,26 +181,26 @@ def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"
 
 
 def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
-    """Lower and upper corner, along the axes in the columns, of all that is shown."""
+    """Returns the lower and the upper corner of everything that is shown, along the axes in the columns of `axes`."""
     corners = [scene.quad @ axes, *reach(scene.cloud @ axes), *reach(scene.mirrored @ axes)]
     return np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
 
 
 def _moved(plane: Plane, origin: Float[np.ndarray, " 3"]) -> Plane:
-    """The same plane in coordinates taken from `origin`."""
+    """Returns the plane in coordinates relative to `origin`."""
     return Similarity(1.0, None, -origin).plane(Plane(*(np.asarray(part, dtype=np.float64) for part in plane)))
 
 
 def _axes_within(
     plane: Plane, cloud: Float[np.ndarray, "n 3"], up: Sequence[float] | Float[np.ndarray, " 3"] | None
 ) -> Float[np.ndarray, "2 3"]:
-    """Axes of the plane along the cloud's shortest and longest spread in it, or across and along `up`."""
+    """Returns two axes within the plane: along the cloud's smallest and largest spread, or across and along `up`."""
     if up is not None:
         direction = np.asarray(up, dtype=np.float64)
         if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
-            raise InvalidArgumentError(f"up must be three numbers, not all zero, got {up!r}")
+            raise InvalidArgumentError(f"up must be three finite numbers that are not all zero, got {up!r}")
         along = direction - (direction @ plane.normal) * plane.normal
-        # along the normal, up gives no direction in the plane
+        # an `up` along the normal defines no direction within the plane
         if np.linalg.norm(along) > 1e-3 * np.linalg.norm(direction):
             along /= np.linalg.norm(along)
             return np.stack([_pointing_forward(np.cross(plane.normal, along)), along])
@@ -199,23 +210,23 @@ def _axes_within(
 
 
 def _pointing_forward(axis: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
-    """The axis with its largest component positive."""
+    """Flips the axis, if needed, so that its largest component is positive."""
     return axis * np.sign(axis[np.abs(axis).argmax()])
 
 
 def _quad(
     plane: Plane, axes: Float[np.ndarray, "2 3"], cloud: Float[np.ndarray, "n 3"], size: float
 ) -> Float[np.ndarray, "4 3"]:
-    """Corners, in order around, of the plane's part that spans the cloud."""
+    """Returns the corners, in cyclic order, of the rectangle of the plane that spans the cloud."""
     low, high = reach(cloud @ axes.T)
     centre = (low + high) / 2
-    half = np.maximum(MARGIN * (high - low) / 2, SLIMMEST * size)
+    half = np.maximum(MARGIN * (high - low) / 2, MIN_HALF_SIDE * size)
     corners = centre + half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     return corners @ axes + plane.offset * plane.normal
 
 
 def _view(axes: Float[np.ndarray, "2 3"]) -> View:
-    """Look along the plane, turned so that its face is seen and lifted so that its depth is."""
+    """Chooses a view along the plane, rotated so that its face is visible and raised so that its depth is."""
     depth, up = axes
     sideways = np.cos(AZIMUTH) * depth + np.sin(AZIMUTH) * np.cross(up, depth)
     toward = np.cos(ELEVATION) * sideways + np.sin(ELEVATION) * up

@@ -81,7 +81,7 @@ def batches(p: Coordinates) -> list[Float[np.ndarray, "3 b"]]:
 
 
 def project(field: Field, p: Coordinates) -> Float[np.ndarray, "3 m"]:
-    """Moves the points in the shell |f| < ε |∇f| onto the surface by Newton steps along the gradient; drops the rest."""
+    """Moves points of the shell |f| < ε |∇f| onto the surface by Newton steps along the gradient; drops all others."""
     value, slope = field(p), gradient(field, p)
     steepness = (slope**2).sum(axis=0)
     inside = np.abs(value) < SHELL * np.sqrt(steepness)

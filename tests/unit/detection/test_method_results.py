@@ -54,4 +54,4 @@ def test_a_result_that_contradicts_itself_is_refused():
 
 def test_the_headline_of_any_drawable_is_written(rng):
     found = detection_of(rng.normal(size=(20, 3)), ambiguous=True, symmetry="one plane")
-    assert headline(found)[1].endswith("one of several: others are as good")
+    assert headline(found)[1].endswith("; ambiguous: other planes are equally good")

@@ -1,4 +1,4 @@
-"""The interactive page: one file that fetches nothing, escapes what it is given, and shows the detection."""
+"""The interactive page: one file that loads nothing, escapes all text, and shows the detection."""
 
 import re
 import subprocess
@@ -20,7 +20,7 @@ HOSTILE = "</script></title><script>alert(1)</script><img src=x onerror=alert(1)
 
 
 class Page(HTMLParser):
-    """Start tags with their attributes, and the text inside each kind of element."""
+    """The start tags of a page with their attributes, and the text inside each kind of element."""
 
     def __init__(self, path):
         super().__init__()
@@ -49,7 +49,7 @@ def named(fig, start):
     return [trace for trace in fig.data if trace.name.startswith(start)]
 
 
-def test_page_is_one_file_that_fetches_nothing(tmp_path, rng):
+def test_the_page_is_one_file_that_loads_nothing(tmp_path, rng):
     path = tmp_path / "page.html"
     write_html(detection_of(blob(rng), weights=(1.0, 0.5, 0.0)), path, title="cup")
     assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
@@ -63,7 +63,7 @@ def test_page_is_one_file_that_fetches_nothing(tmp_path, rng):
     assert page.text["title"] == "cup"
 
 
-def test_page_has_one_fixed_figure(tmp_path, rng):
+def test_the_page_is_reproducible_and_has_one_figure(tmp_path, rng):
     points = blob(rng)
     pages = []
     for name in ("a.html", "b.html"):
@@ -74,7 +74,7 @@ def test_page_has_one_fixed_figure(tmp_path, rng):
     assert ids == ["symjax-figure"]
 
 
-def test_names_are_escaped(tmp_path, rng):
+def test_title_and_notes_are_escaped(tmp_path, rng):
     points = blob(rng)
     write_html(detection_of(points), tmp_path / "tame.html")
     hostile = detection_of(points, method=HOSTILE, notes=(HOSTILE, "{plot_id} {0}"))
@@ -82,10 +82,10 @@ def test_names_are_escaped(tmp_path, rng):
     tame, wild = Page(tmp_path / "tame.html"), Page(tmp_path / "hostile.html")
     assert wild.tags == tame.tags
     assert wild.text["title"] == HOSTILE
-    assert wild.text["footer"] == f"method {HOSTILE} · {HOSTILE} · {{plot_id}} {{0}}"
+    assert wild.text["footer"] == f"Method: {HOSTILE} · {HOSTILE} · {{plot_id}} {{0}}"
 
 
-def test_existing_page_survives_a_failure(tmp_path, rng):
+def test_a_failure_leaves_an_existing_page_unchanged(tmp_path, rng):
     path = tmp_path / "page.html"
     path.write_text("old")
     with pytest.raises(InvalidArgumentError, match="max_points"):
@@ -96,13 +96,13 @@ def test_existing_page_survives_a_failure(tmp_path, rng):
     assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
 
 
-def test_figure_shows_the_cloud_and_its_mirror_image(rng):
+def test_the_figure_shows_the_cloud_and_its_mirror_image(rng):
     points = blob(rng)
     detection = detection_of(points)
     fig = figure(detection)
     for trace in named(fig, "cloud"):
         np.testing.assert_allclose(np.sort(coordinates(trace), axis=0), np.sort(points, axis=0), atol=1e-6)
-    (mirrored,) = named(fig, "its mirror image")
+    (mirrored,) = named(fig, "mirror image")
     expected = np.sort(detection.mirror(points), axis=0)
     np.testing.assert_allclose(np.sort(coordinates(mirrored), axis=0), expected, atol=1e-6)
     for scene in (fig.layout.scene, fig.layout.scene2):
@@ -115,7 +115,7 @@ def test_figure_shows_the_cloud_and_its_mirror_image(rng):
 
 
 @pytest.mark.parametrize("up", [None, (0.0, 0.0, 1.0), (0.6, 0.0, 0.8)])
-def test_quad_lies_in_the_plane_and_spans_the_cloud(rng, up):
+def test_the_quad_lies_in_the_plane_and_spans_the_cloud(rng, up):
     points = blob(rng)
     detection = detection_of(points, candidates=3)
     normal, offset = detection.plane
@@ -136,7 +136,7 @@ def test_quad_lies_in_the_plane_and_spans_the_cloud(rng, up):
         np.testing.assert_allclose(coordinates(other) @ candidate.plane.normal, candidate.plane.offset, atol=1e-9)
 
 
-def test_pairs_are_told_apart_by_weight(rng):
+def test_pairs_are_matched_or_rejected_by_their_weight(rng):
     points = blob(rng)
     detection = detection_of(points, weights=(1.0, 0.4, 0.001, 0.9, 0.0), inlier_weight=0.4)
     fig = figure(detection)
@@ -151,13 +151,13 @@ def test_pairs_are_told_apart_by_weight(rng):
 
 
 def drawn_and_written(fig, start):
-    """Segments of the pairs that are drawn, and the number of pairs that the legend gives."""
+    """Returns the number of drawn pairs, and the number of pairs in the legend."""
     (trace,) = named(fig, start)
     return len(coordinates(trace)) // 3, int(re.search(r"\((\d+)", trace.name)[1])
 
 
 @pytest.mark.parametrize("inlier_weight", [0.02, 0.5, 0.9])
-def test_the_pairs_that_are_drawn_as_matched_are_those_that_the_answer_counts(rng, inlier_weight):
+def test_the_inliers_are_drawn_as_matched_pairs(rng, inlier_weight):
     weights = rng.random(300)
     detection = detection_of(blob(rng), weights=weights, inlier_weight=inlier_weight)
     num_inliers = int(np.sum(weights >= inlier_weight))
@@ -166,24 +166,24 @@ def test_the_pairs_that_are_drawn_as_matched_are_those_that_the_answer_counts(rn
     assert drawn_and_written(fig, "rejected pairs") == (300 - num_inliers, 300 - num_inliers)
 
 
-def test_the_legend_counts_the_pairs_that_are_not_drawn_too(rng, monkeypatch):
+def test_the_legend_counts_pairs_that_are_not_drawn(rng, monkeypatch):
     monkeypatch.setattr(html, "MAX_PAIRS", 100)
     weights = rng.random(300)
     fig = figure(detection_of(blob(rng), weights=weights))
     drawn, written = drawn_and_written(fig, "matched pairs")
     assert written == np.sum(weights >= 0.5)
     assert drawn + drawn_and_written(fig, "rejected pairs")[0] == 100
-    assert f"{drawn} of them drawn" in named(fig, "matched pairs")[0].name
+    assert f"({written}, {drawn} drawn)" in named(fig, "matched pairs")[0].name
 
 
-def test_anything_with_a_plane_and_pairs_is_drawn(rng):
+def test_any_object_that_implements_the_protocol_is_drawn(rng):
     detection = detection_of(blob(rng), weights=(1.0, 0.0))
     names = [name for name in vars(Drawable) if not name.startswith("_")]
     other = SimpleNamespace(**{name: getattr(detection, name) for name in names})
     assert figure(other) == figure(detection)
 
 
-def test_points_that_were_removed_are_drawn_apart(rng):
+def test_removed_points_are_a_trace_of_their_own(rng):
     points = np.concatenate([blob(rng), [[50.0, 0.0, 0.0], [0.0, 50.0, 0.0]]])
     fig = figure(detection_of(points, cleaned=True, used=np.arange(400)))
     (removed,) = named(fig, "removed points")
@@ -192,32 +192,32 @@ def test_points_that_were_removed_are_drawn_apart(rng):
     assert len(coordinates(fig.data[0])) + len(shown) == len(points)
 
 
-def test_no_pairs_and_no_plane_still_draw(rng):
+def test_a_detection_without_pairs_or_without_a_mirror_plane_is_drawn(rng):
     fig = figure(detection_of(blob(rng), found=False, score=0.1))
-    assert {trace.name for trace in fig.data} == {"cloud", "its mirror image", "mirror plane"}
+    assert {trace.name for trace in fig.data} == {"cloud", "mirror image", "mirror plane"}
     assert "No mirror plane found" in fig.layout.title.text
     assert "not above the threshold" in fig.layout.title.text
 
 
-def test_headline_states_the_plane(rng):
+def test_the_headline_states_the_plane_and_the_evidence(rng):
     text = figure(detection_of(blob(rng), weights=(1.0,) * 8)).layout.title.text
     assert "(0.6000, 0.0000, 0.8000) · x = 0.3" in text
-    assert "score 0.600, above the threshold 0.300; 75% of 8 pairs agree" in text
+    assert "Score 0.600, above the threshold of 0.300; 75% of 8 pairs are inliers" in text
 
 
 def test_a_method_without_threshold_or_pairs_is_drawn(rng):
     fig = figure(detection_of(blob(rng), threshold=None, inlier_fraction=None))
-    assert "score 0.600<" in fig.layout.title.text
+    assert "Score 0.600<" in fig.layout.title.text
 
 
-def test_many_points_are_thinned_the_same_way_twice(rng):
+def test_thinning_is_reproducible(rng):
     detection = detection_of(blob(rng, 5000))
     first, second = (coordinates(figure(detection, max_points=1000).data[0]) for _ in range(2))
     assert len(first) == 1000
     np.testing.assert_array_equal(first, second)
 
 
-def test_distant_cloud_keeps_its_digits(rng):
+def test_a_distant_cloud_keeps_its_precision(rng):
     points = blob(rng)
     normal, far = np.array([0.6, 0.0, 0.8]), np.array([3e8, -1e8, 0.0])
     fig = figure(detection_of(points + far, normal=normal, offset=0.3 + normal @ far))
@@ -243,19 +243,19 @@ def test_distant_cloud_keeps_its_digits(rng):
     ],
     ids=["one place", "line along the normal", "coplanar", "three points"],
 )
-def test_degenerate_clouds_draw(points):
+def test_degenerate_clouds_are_drawn(points):
     fig = figure(detection_of(points))
     corners = coordinates(named(fig, "mirror plane")[0])
     assert np.linalg.norm(np.cross(corners[1] - corners[0], corners[3] - corners[0])) > 1e-3
 
 
-def test_points_that_are_not_finite_are_left_out(rng):
+def test_points_that_are_not_finite_are_not_drawn(rng):
     points = blob(rng)
     points[7, 1], points[11] = np.nan, np.inf
     assert len(coordinates(figure(detection_of(points)).data[0])) == len(points) - 2
 
 
-def test_detection_without_points_says_so(rng):
+def test_a_detection_without_points_is_refused(rng):
     with pytest.raises(TooFewPointsError, match="loaded without its points"):
         figure(detection_of(blob(rng), points=None))
     with pytest.raises(TooFewPointsError, match="no finite point"):
@@ -264,7 +264,7 @@ def test_detection_without_points_says_so(rng):
 
 def test_up_must_be_a_direction(rng):
     for up in [(0, 0, 0), (0, np.nan, 1), (0, 1)]:
-        with pytest.raises(InvalidArgumentError, match="up must be three numbers"):
+        with pytest.raises(InvalidArgumentError, match="up must be three finite numbers"):
             figure(detection_of(blob(rng)), up=up)
 
 
@@ -274,6 +274,6 @@ def test_drawing_imports_neither_jax_nor_plotly():
     assert done.stdout.strip() == "set()"
 
 
-def test_drawing_knows_no_detection():
+def test_viz_does_not_import_the_detection():
     for path in Path(html.__file__).parent.glob("*.py"):
         assert "symjax.detection" not in path.read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The PNG: right size, same bytes twice, colours where they belong, and every cloud draws."""
+"""The PNG image: its size, reproducible bytes, the colours in each panel, and degenerate clouds."""
 
 import numpy as np
 import pytest
@@ -14,14 +14,14 @@ SMALL = (600, 300)
 
 
 def share_of(pixels, colour):
-    """Share of the pixels whose hue is nearer to `colour` than to grey."""
+    """Returns the fraction of the pixels whose hue is near that of `colour`."""
     shade = pixels - pixels.mean(axis=-1, keepdims=True)
     target = np.array(colour) - np.mean(colour)
     strength = np.linalg.norm(shade, axis=-1)
     return np.mean((strength > 30) & (shade @ target > 0.9 * strength * np.linalg.norm(target)))
 
 
-def test_png_has_the_size_asked_for(tmp_path, rng):
+def test_the_image_has_the_given_size(tmp_path, rng):
     detection = detection_of(blob(rng), weights=(1.0, 0.5, 0.0))
     write_png(detection, tmp_path / "default.png")
     write_png(detection, tmp_path / "small.png", size=(641, 333))
@@ -31,15 +31,15 @@ def test_png_has_the_size_asked_for(tmp_path, rng):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["default.png", "small.png"]
 
 
-def test_same_detection_gives_the_same_bytes(tmp_path, rng):
+def test_the_same_detection_gives_the_same_bytes(tmp_path, rng):
     points = blob(rng)
     for name in ("a.png", "b.png"):
         write_png(detection_of(points, weights=(1.0, 0.5, 0.0)), tmp_path / name, size=SMALL)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-def test_every_part_is_seen_in_its_panel(rng):
-    # half of the cloud: its mirror image is elsewhere
+def test_every_part_is_visible_in_its_panel(rng):
+    # with only one half of the cloud, its mirror image covers another place
     points = blob(rng, 3000)
     points = points[points @ (0.6, 0.0, 0.8) > 0.3]
     pixels = np.asarray(draw(detection_of(points, weights=(1.0,) * 60)), dtype=float)[96:690]
@@ -63,7 +63,7 @@ def test_rejected_pairs_are_faint(rng):
     assert 0 < np.abs(grey - none).mean() < np.abs(red - none).mean()
 
 
-def test_moving_the_object_leaves_the_picture(rng):
+def test_moving_the_object_does_not_change_the_image(rng):
     points = blob(rng)
     normal, shift = np.array([0.6, 0.0, 0.8]), np.array([1e8, -3e8, 2e8])
     near = draw(detection_of(points), size=SMALL)
@@ -84,9 +84,9 @@ def test_moving_the_object_leaves_the_picture(rng):
         np.random.default_rng(1).normal(size=(50, 3)) * 1e12,
         np.concatenate([np.random.default_rng(1).normal(size=(500, 3)), [[1e9, 0, 0]]]),
     ],
-    ids=["one place", "line along normal", "line in plane", "coplanar", "tiny", "huge", "one stray point"],
+    ids=["one place", "line along normal", "line in plane", "coplanar", "tiny", "huge", "one outlier"],
 )
-def test_every_cloud_draws(points):
+def test_degenerate_clouds_are_drawn(points):
     normal = np.array([0.6, 0.0, 0.8])
     offset = normal @ np.median(points, axis=0)
     image = np.asarray(draw(detection_of(points, normal=normal, offset=offset), size=SMALL), dtype=float)
@@ -94,13 +94,13 @@ def test_every_cloud_draws(points):
     assert share_of(image[40:270, :300], colours.CLOUD) > 1e-4
 
 
-def test_coplanar_cloud_in_its_own_plane(rng):
+def test_a_coplanar_cloud_is_drawn_in_its_own_plane(rng):
     points = rng.normal(size=(300, 3)) * (1, 1, 0)
     image = np.asarray(draw(detection_of(points, normal=(0.0, 0.0, 1.0), offset=0.0), size=SMALL), dtype=float)
     assert share_of(image[40:270, :300], colours.CLOUD) > 0.005
 
 
-def test_not_found_is_said(rng):
+def test_only_the_headline_says_whether_a_plane_was_found(rng):
     points = blob(rng)
     found, lost = (draw(detection_of(points, found=found), size=SMALL) for found in (True, False))
     headline, below = (0, 0, 600, 20), (0, 40, 600, 300)
@@ -120,7 +120,7 @@ def test_up_points_up(rng):
         assert (upper.sum() > lower.sum()) == (sign > 0)
 
 
-def test_nearest_disc_wins():
+def test_the_nearest_disc_is_visible():
     centres = np.array([[5.0, 5.0, 1.0], [5.0, 5.0, 3.0], [5.0, 5.0, 2.0], [40.0, 40.0, 9.0]])
     colours = np.array([[250, 0, 0], [0, 250, 0], [0, 0, 250], [9, 9, 9]])
     picture, covered = shaded_discs(centres, colours, 2, size=100.0, depths=(0.0, 3.0), height=12, width=10)
@@ -132,7 +132,7 @@ def test_nearest_disc_wins():
     assert len(rows) == 21
 
 
-def test_what_stands_behind_is_darker():
+def test_a_surface_behind_an_edge_is_darker():
     grid = np.stack(np.meshgrid(np.arange(60.0), np.arange(60.0)), axis=-1).reshape(-1, 2)
     step = np.where(grid[:, 0] < 30, 20.0, 0.0)  # a near wall on the left
     colours = np.full((len(grid), 3), 128)
@@ -144,7 +144,7 @@ def test_what_stands_behind_is_darker():
     assert abs(row[15] - row[50]) <= 20
 
 
-def test_bad_arguments(tmp_path, rng):
+def test_bad_arguments_are_refused(tmp_path, rng):
     detection = detection_of(blob(rng))
     with pytest.raises(InvalidArgumentError, match="size must be at least"):
         write_png(detection, tmp_path / "a.png", size=(100, 100))

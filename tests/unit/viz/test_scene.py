@@ -1,4 +1,4 @@
-"""The scene shows the cloud, its mirror image, and the part of each plane that spans them; it moves with the cloud."""
+"""The scene: its quads, its view, what it keeps of the points and pairs, and its headline."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_the_quad_lies_on_the_plane_is_a_rectangle_and_spans_the_cloud(rng):
     assert len(scene.others) == 2
 
 
-def test_cloud_mirror_image_and_pairs_are_those_of_the_plane_about_the_origin(rng):
+def test_cloud_mirror_image_and_pairs_agree_with_the_plane(rng):
     points = blob(rng)
     scene = scene_of(points, weights=(1.0, 0.6, 0.4, 0.0))
     np.testing.assert_allclose(scene.cloud + scene.origin, points, atol=1e-12)
@@ -36,7 +36,7 @@ def test_cloud_mirror_image_and_pairs_are_those_of_the_plane_about_the_origin(rn
     assert (scene.num_inliers, scene.num_pairs) == (2, 4)
 
 
-def test_a_distant_cloud_keeps_its_digits(rng):
+def test_a_distant_cloud_keeps_its_precision(rng):
     points, normal, far = blob(rng), np.array([0.6, 0.0, 0.8]), np.array([1e8, -3e8, 2e8])
     here, there = scene_of(points), scene_of(points + far, offset=0.3 + normal @ far)
     np.testing.assert_allclose(there.cloud, here.cloud, atol=1e-6)
@@ -51,11 +51,11 @@ def test_the_view_is_orthonormal_and_up_is_up(rng):
     np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(view.right @ up, 0.0, atol=1e-12)
     assert view.up @ up > 0.9
-    # the face of the plane is seen, and its depth
+    # both the face and the depth of the plane are visible
     assert 0.2 < abs(view.toward @ [0.6, 0.0, 0.8]) < 0.8
 
 
-def test_what_was_removed_is_shown_apart_and_what_is_not_finite_is_not_shown(rng):
+def test_removed_points_are_separate_and_points_that_are_not_finite_are_dropped(rng):
     outliers = np.array([[50.0, 0.0, 0.0], [0.0, -50.0, 0.0], [np.nan, 0.0, 0.0]])
     points = np.concatenate([blob(rng), outliers])
     scene = scene_of(points, used=np.arange(400), cleaned=True)
@@ -63,21 +63,21 @@ def test_what_was_removed_is_shown_apart_and_what_is_not_finite_is_not_shown(rng
     np.testing.assert_allclose(scene.removed + scene.origin, outliers[:2], atol=1e-12)
 
 
-def test_thinning_keeps_the_order_and_no_row_twice():
+def test_thinning_keeps_the_order_and_repeats_no_row():
     rows = thin(np.arange(1000), 50)
     assert len(rows) == 50
     assert (np.diff(rows) > 0).all()
     np.testing.assert_array_equal(thin(np.arange(5), 50), np.arange(5))
 
 
-def test_a_few_far_points_do_not_shrink_the_rest(rng):
+def test_a_few_distant_points_hardly_enlarge_the_box(rng):
     values = rng.uniform(size=(2000, 1))
     low, high = reach(np.concatenate([values, [[1e6]]]))
     assert -0.01 < low[0] < high[0] < 1.6
 
 
 @pytest.mark.parametrize("up", [(0, 0, 0), (1, 0), (np.nan, 0, 1)])
-def test_bad_views_are_refused(up, rng):
+def test_bad_arguments_are_refused(up, rng):
     with pytest.raises(InvalidArgumentError, match="up must be"):
         build(detection_of(blob(rng)), max_points=100, max_pairs=0, up=np.array(up, float))
     with pytest.raises(InvalidArgumentError, match="max_points"):
@@ -91,13 +91,13 @@ def test_a_detection_without_points_is_refused(rng):
         build(detection_of(np.full((60, 3), np.nan)), max_points=100, max_pairs=0)
 
 
-def test_the_headline_has_the_plane_and_the_evidence(rng):
+def test_the_headline_states_the_plane_and_the_evidence(rng):
     plane, evidence = headline(detection_of(blob(rng), weights=(1.0,) * 4))
     assert plane == "Mirror plane (0.6000, 0.0000, 0.8000) · x = 0.3"
-    assert evidence == "score 0.600, above the threshold 0.300; 75% of 4 pairs agree"
+    assert evidence == "Score 0.600, above the threshold of 0.300; 75% of 4 pairs are inliers"
     lowest = Plane(np.array([0.0, 0.0, 1.0]), np.float64(-0.0))
     plane, evidence = headline(detection_of(blob(rng), plane=lowest, found=False, score=0.1, inlier_fraction=None))
     assert plane == "No mirror plane found; best candidate (0.0000, 0.0000, 1.0000) · x = 0"
-    assert evidence == "score 0.100, not above the threshold 0.300"
+    assert evidence == "Score 0.100, not above the threshold of 0.300"
     several = detection_of(blob(rng), ambiguous=True, symmetry="axis")
-    assert headline(several)[1].endswith("one of several: all planes through an axis are as good")
+    assert headline(several)[1].endswith("; ambiguous: every plane through the axis is equally good")
