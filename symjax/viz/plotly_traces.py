@@ -22,7 +22,9 @@ def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, " 3"])
     if len(points) < LIGHTING_NEIGHBOURS:
         return np.ones(len(points))
     neighbours = cKDTree(points).query(points, LIGHTING_NEIGHBOURS)[1]
-    return np.abs(local_frames(points, neighbours)[1][:, :, 0] @ toward)
+    normals = local_frames(points, neighbours)[1][:, :, 0]
+    light: Float[np.ndarray, " n"] = np.abs(normals @ toward)
+    return light
 
 
 def points_trace(

@@ -107,4 +107,5 @@ def _eye_dome_lighting(
             neighbour = padded.ravel()[centre_pixel + reach * (dy * padded.shape[1] + dx)]
             rise = np.maximum(neighbour - here, 0)
             shade += rise / (rise + half)
-    return np.exp(-SHADOW * shade / 8)
+    light: Float[np.ndarray, " p"] = np.exp(-SHADOW * shade / 8)
+    return light

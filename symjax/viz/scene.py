@@ -211,7 +211,7 @@ def _axes_within(
 
 def _pointing_forward(axis: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     """Flips the axis, if needed, so that its largest component is positive."""
-    return axis * np.sign(axis[np.abs(axis).argmax()])
+    return axis if axis[np.abs(axis).argmax()] >= 0 else -axis
 
 
 def _quad(
@@ -222,7 +222,8 @@ def _quad(
     centre = (low + high) / 2
     half = np.maximum(MARGIN * (high - low) / 2, MIN_HALF_SIDE * size)
     corners = centre + half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return corners @ axes + plane.offset * plane.normal
+    quad: Float[np.ndarray, "4 3"] = corners @ axes + plane.offset * plane.normal
+    return quad
 
 
 def _view(axes: Float[np.ndarray, "2 3"]) -> View:

@@ -23,10 +23,11 @@ def union(*fields: Field, blend: float = 0.0) -> Field:
 
 
 def _smooth_minimum(a: Distances, b: Distances, blend: float) -> Distances:
-    if blend == 0:
-        return np.minimum(a, b)
-    overlap = np.maximum(blend - np.abs(a - b), 0)
-    return np.minimum(a, b) - overlap * overlap / (4 * blend)
+    minimum: Distances = np.minimum(a, b)
+    if blend > 0:
+        overlap = np.maximum(blend - np.abs(a - b), 0)
+        minimum -= overlap * overlap / (4 * blend)
+    return minimum
 
 
 def difference(solid: Field, *tools: Field, blend: float = 0.0) -> Field:

@@ -21,7 +21,8 @@ def _column(vector: Vector) -> Float[np.ndarray, "3 1"]:
 
 
 def _norm(*components: Distances) -> Distances:
-    return np.sqrt(sum(c * c for c in components))
+    length: Distances = np.sqrt(sum(c * c for c in components))
+    return length
 
 
 def _cylindrical(start: Vector, end: Vector) -> Callable[[Coordinates], tuple[Distances, Distances, float]]:
@@ -61,7 +62,8 @@ def ellipsoid(centre: Vector, radii: Vector) -> Field:
         k = _norm(*q)
         length = k / np.maximum(_norm(*(q / r)), 1e-12)
         inward = least + np.minimum(k, 1) ** 4 * (length - least)
-        return np.maximum((k - 1) * np.where(k < 1, inward, length), -least)
+        distance: Distances = np.maximum((k - 1) * np.where(k < 1, inward, length), -least)
+        return distance
 
     return field
 
@@ -73,7 +75,8 @@ def box(centre: Vector, half: Vector, rounding: float = 0.0) -> Field:
     def field(p: Coordinates) -> Distances:
         q = np.abs(p - c) - inner
         outside = np.maximum(q, 0)
-        return _norm(*outside) + np.minimum(q.max(axis=0), 0) - rounding
+        distance: Distances = _norm(*outside) + np.minimum(q.max(axis=0), 0) - rounding
+        return distance
 
     return field
 
@@ -89,7 +92,8 @@ def capsule(start: Vector, end: Vector, radius: float, end_radius: float | None 
         cosine = np.sqrt(1 - sine * sine)
         # the side is a cone; `reach` is the position along the axis whose ball is nearest to the point
         reach = np.clip((height * cosine - radial * sine) / (cosine * length), 0, 1)
-        return _norm(height - reach * length, radial) - (radius + reach * (final - radius))
+        distance: Distances = _norm(height - reach * length, radial) - (radius + reach * (final - radius))
+        return distance
 
     return field
 
@@ -183,7 +187,8 @@ def polygon_distance(x: Distances, y: Distances, corners: Float[np.ndarray, "k 2
         np.minimum(squared, (qx - t * ex) ** 2 + (qy - t * ey) ** 2, out=squared)
         if ey != 0:
             inside ^= ((ay > y) != (by > y)) & (qx < ex * (qy / ey))
-    return np.where(inside, -1, 1) * np.sqrt(squared)
+    distance: Distances = np.where(inside, -1, 1) * np.sqrt(squared)
+    return distance
 
 
 def plate(
@@ -201,7 +206,8 @@ def plate(
         flat = polygon_distance(p[u], p[v], outline) + rounding
         across = np.abs(p[w] - level) - thickness + rounding
         corner = _norm(np.maximum(flat, 0), np.maximum(across, 0))
-        return corner + np.minimum(np.maximum(flat, across), 0) - rounding
+        distance: Distances = corner + np.minimum(np.maximum(flat, across), 0) - rounding
+        return distance
 
     return field
 

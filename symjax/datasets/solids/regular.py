@@ -31,7 +31,8 @@ def twofold(*parts: Field, blend: float = 0.0) -> Solid:
 def vertical_planes(count: int) -> list[list[float]]:
     """Returns the normals of the vertical mirror planes of a regular polygon with `count` corners, one at y = 0."""
     angles = np.pi * np.arange(count) / count
-    return np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(count)]).tolist()
+    normals: list[list[float]] = np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(count)]).tolist()
+    return normals
 
 
 def dihedral(part: Field, count: int) -> Field:
@@ -107,7 +108,8 @@ def pyramid(rng: np.random.Generator) -> Solid:
         angle = np.pi / count  # outward direction of the half side that lies in the folded wedge
         out = p[0] * np.cos(angle) + p[1] * np.sin(angle)
         side = ((out - inner) * h + p[2] * inner) / slope
-        return np.maximum(side, -p[2])
+        distance: Distances = np.maximum(side, -p[2])
+        return distance
 
     return with_planes(dihedral(field, count), vertical_planes(count))
 
