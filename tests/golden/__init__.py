@@ -1,1 +1,1 @@
-"""The golden file: answers that a change of the structure must not change."""
+"""The golden file: results that refactoring must not change."""

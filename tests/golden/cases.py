@@ -1,7 +1,7 @@
-"""What the golden file holds: clouds and pairs, and the answers to them as plain numbers.
+"""The cases of the golden file: generated clouds and planted pairs, and the results for them as plain numbers.
 
-`python -m tests.golden.cases` computes all answers anew and writes `golden.json`. Do that only where answers change on
-purpose, in a commit of its own with a table of what changed.
+`python -m tests.golden.cases` recomputes all results and writes `golden.json`. Run it only if results change on
+purpose, in a separate commit with a table of the changes.
 """
 
 import json
@@ -43,16 +43,16 @@ FITS = [
     for outliers in (0.0, 0.4, 0.65, 0.8, 0.9)
     for seed in (0, 1)
 ]
-"""Function, blob, share of outliers and seed of 40 fits."""
+"""Function, blob, fraction of outliers and seed of 40 fits."""
 
 SIGMAS = (0.03, 0.1)
 
 
 def cloud(kind: str, seed: int, condition: str) -> np.ndarray:
-    """A generated object in a random pose, corrupted then.
+    """Generates an object, poses it at random and corrupts it.
 
-    The pose is written out here: the file was made with these very roundings, and where an object has no plane, or a
-    wrong one beside its own, they decide which local optimum is found.
+    The pose is computed here and not by `pose`, to reproduce the rounding errors of the clouds that the golden file was
+    made from. They decide which local optimum is found if an object has no plane, or a wrong plane that is as good.
     """
     rng = np.random.default_rng([seed, *kind.encode()])
     whole = generate(kind, num_points=NUM_POINTS, rng=rng)
@@ -62,7 +62,7 @@ def cloud(kind: str, seed: int, condition: str) -> np.ndarray:
 
 
 def detection(kind: str, seed: int, condition: str, method: str) -> dict[str, Any]:
-    """The answer to a cloud."""
+    """Detects the plane of a cloud, and returns the result as plain numbers."""
     det = symjax.detect(cloud(kind, seed, condition), method)
     scores = [candidate.ranking_score for candidate in det.candidates]
     return {
@@ -82,7 +82,7 @@ def detection(kind: str, seed: int, condition: str, method: str) -> dict[str, An
 
 
 def fit(function: str, blob: str, outliers: float, seed: int) -> dict[str, Any]:
-    """The answer to planted pairs, in float64."""
+    """Fits a plane to planted pairs in float64, and returns the result as plain numbers."""
     pairs = planted_pairs(np.random.default_rng(seed), 200, outliers, blob)
     with jax.enable_x64(True):
         if function == "fit_global":
@@ -98,19 +98,19 @@ def fit(function: str, blob: str, outliers: float, seed: int) -> dict[str, Any]:
 
 
 def name_of(case: tuple) -> str:
-    """The key of a case in the file."""
+    """Returns the key of a case in the file."""
     return " ".join(str(part) for part in case)
 
 
 def main() -> None:
-    """Computes and writes everything."""
-    answers = {
+    """Computes all results and writes the file."""
+    results = {
         "detections": {name_of(case): detection(*case) for case in DETECTIONS},
         "fits": {name_of(case): fit(*case) for case in FITS},
     }
     lines = [
         f'"{group}": {{\n' + ",\n".join(f"{json.dumps(key)}: {json.dumps(value)}" for key, value in of.items()) + "\n}"
-        for group, of in answers.items()
+        for group, of in results.items()
     ]
     FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 

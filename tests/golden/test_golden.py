@@ -1,4 +1,4 @@
-"""Every answer of the golden file is given again, but for what nearest neighbours that flip by rounding may change."""
+"""All results of the golden file are reproduced, up to changes that rounding errors of nearest neighbours can cause."""
 
 import json
 
@@ -12,10 +12,10 @@ from tests.golden.cases import DETECTIONS, FILE, FITS, detection, fit, name_of
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
 
 RIGHT = {"single": "one plane", "multiple": "several planes", "none": "none"}
-"""The answer that is right for a kind of object; of a continuous symmetry any planes may be named."""
+"""The correct result by the symmetry of the kind. For a continuous symmetry, any plane through the axis is correct."""
 
 QUICK = {name_of(case) for case in [*DETECTIONS[0:300:13], *DETECTIONS[300:360:12], *FITS[::3]]}
-"""The cases of the default tests."""
+"""The cases that run by default; all others are slow tests."""
 
 
 def marked(cases):
@@ -24,14 +24,14 @@ def marked(cases):
     ]
 
 
-def test_forty_cases_are_in_the_default_tests():
+def test_at_least_forty_cases_run_by_default():
     assert len(QUICK) >= 40
     assert len(GOLDEN["detections"]) == 360
     assert len(GOLDEN["fits"]) == 40
 
 
 def assert_same_planes(then, now):
-    """Every mirror plane is there again, in any order; those beside the first are as exact as a refinement."""
+    """Checks that every mirror plane is found again, in any order, to the accuracy of a refinement."""
     assert len(now["planes"]) == len(then["planes"])
     for *normal, offset in then["planes"]:
         apart = [
@@ -51,12 +51,12 @@ def test_a_detection_is_the_same(case):
     assert now["threshold"] == pytest.approx(then["threshold"], abs=1e-3)
     if abs(then["score"] - then["threshold"]) > 0.01:
         assert now["found"] == then["found"]
-        # a plane that the object does not have is a local optimum whose place, and so its score, rounding decides
+        # a plane that the object does not have is a local optimum, and rounding errors decide which one is found
         if then["symmetry"] == RIGHT.get(KINDS[case[0]].symmetry):
             assert now["symmetry"] == then["symmetry"]
             assert now["ambiguous"] == then["ambiguous"]
             assert_same_planes(then, now)
-    # of several planes that are as good any may come first
+    # if several planes are equally good, any of them may be first
     if not then["ambiguous"] and then["margin"] > 0.01:
         angle = float(deviation_angle(np.array(now["normal"]), np.array(then["normal"])))
         sign = np.sign(np.dot(now["normal"], then["normal"]))

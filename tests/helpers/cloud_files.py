@@ -1,4 +1,4 @@
-"""Small clouds and meshes as files of every format, written by a few lines of each."""
+"""Small clouds and meshes, and minimal writers of every file format that symjax reads."""
 
 import io
 
@@ -90,7 +90,7 @@ MESHES = {
 
 
 def put(folder, name, data):
-    """The path of a new file."""
+    """Writes a new file and returns its path."""
     path = folder / name
     path.write_bytes(data)
     return path

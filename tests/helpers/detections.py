@@ -1,4 +1,4 @@
-"""A detection with a known plane, for the tests of what is drawn."""
+"""Detections with known planes, for the tests of pictures and summaries."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from symjax.method.result import Candidate
 
 
 def detection_of(points, /, *, normal=(0.6, 0.0, 0.8), offset=0.3, weights=(), candidates=1, **changes):
-    """A detection of the plane `normal · x = offset`; pair i is point i and its mirror image, of weight i."""
+    """Makes a detection of the plane `normal · x = offset`; pair i is point i and its mirror image."""
     points = np.asarray(points, dtype=float)
     plane = Plane(np.array(normal), np.float64(offset))
     x = points[: len(weights)]

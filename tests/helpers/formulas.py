@@ -1,10 +1,10 @@
-"""Formulas as the books and the paper print them, to compare those that are computed with."""
+"""Formulas as printed in textbooks and in the paper, to compare the implementations with."""
 
 import jax.numpy as jnp
 
 
 def exponential(v, u):
-    """The end of the great circle that leaves v with velocity u: cos‖u‖ v + sin‖u‖ u/‖u‖."""
+    """Computes the exponential map of the sphere at v: cos‖u‖ v + sin‖u‖ u/‖u‖."""
     square = jnp.sum(u * u)
     length = jnp.sqrt(jnp.where(square > 0, square, 1))
     sinc = jnp.where(square > 0, jnp.sin(length) / length, 1)
@@ -13,6 +13,6 @@ def exponential(v, u):
 
 
 def polynomial_f(v, omega, x, y):
-    """f_i as printed before Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ."""
+    """Computes f_i as printed before Eq. 6: 4vᵀC_i v + ‖x_i − y_i‖² − 4ωvᵀ(x_i + y_i) + 4ω², with C_i = x_i y_iᵀ."""
     square = jnp.sum((x - y) ** 2, axis=1)
     return 4 * (x @ v) * (y @ v) + square - 4 * omega * ((x + y) @ v) + 4 * omega**2

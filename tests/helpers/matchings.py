@@ -1,4 +1,4 @@
-"""Costs of pairs, and independent optima to compare matchings with."""
+"""Random costs of pairs, and independent optima to compare matchings with."""
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
@@ -7,7 +7,7 @@ from symjax.symhks.assignment import SIGN_PENALTY
 
 
 def random_cost(seed, num_points, prohibited=0.2):
-    """Symmetric costs in (0, 1) plus the penalty on a share of them, and on the diagonal."""
+    """Returns symmetric random costs in (0, 1). A fraction of them, and the diagonal, have the penalty added."""
     rng = np.random.default_rng(seed)
     upper = np.triu(rng.random((num_points, num_points)), 1)
     upper += np.triu(np.where(rng.random(upper.shape) < prohibited, SIGN_PENALTY, 0.0), 1)
@@ -19,7 +19,7 @@ def total(cost, pairs):
 
 
 def paper_program(cost, q, symmetric=False):
-    """The optimum of the paper's program over P, minimised, as it is printed: one binary for every p_ij."""
+    """Solves the paper's integer program as printed, as a minimisation with one binary variable per p_ij."""
     a = len(cost)
     rows = np.kron(np.eye(a), np.ones((1, a)))
     columns = np.kron(np.ones((1, a)), np.eye(a))
@@ -37,7 +37,7 @@ def paper_program(cost, q, symmetric=False):
 
 
 def matchings(points, q):
-    """Every set of q disjoint pairs of the points."""
+    """Yields every set of q disjoint pairs of the points."""
     if q == 0:
         yield []
     elif len(points) >= 2 * q:
@@ -49,7 +49,7 @@ def matchings(points, q):
 
 
 def assert_pairs(pairs, cost, num_points):
-    """What every answer keeps: i < j, no point twice, cheapest first, nothing prohibited."""
+    """Checks what holds for every matching: i < j, no point twice, cheapest first, no prohibited pair."""
     assert pairs.shape[1:] == (2,)
     assert np.issubdtype(pairs.dtype, np.integer)
     assert (pairs[:, 0] < pairs[:, 1]).all()

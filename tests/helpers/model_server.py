@@ -1,4 +1,4 @@
-"""A server of models on this machine, and two models that it may have."""
+"""A local server of models, and two small models for it."""
 
 import hashlib
 import threading
@@ -8,7 +8,7 @@ import numpy as np
 
 from symjax.datasets import Original
 
-# a prism of quads and triangles, written as the originals are: textures, normals, groups, materials
+# a prism of quads and triangles with textures, normals, groups and materials, as in the published files
 PRISM = b"""# a tent, mirror x = 0.5
 mtllib tent.mtl
 o tent
@@ -47,7 +47,13 @@ DATA binary
 
 
 class Site:
-    """What a server has: status, body and promised length by path; the paths that were asked for; a gate to close."""
+    """A local HTTP server.
+
+    Attributes:
+        pages: status, body and announced length of every page, by path.
+        asked: paths of the requests so far.
+        gate: event that requests wait for after their response; clear it to leave connections open.
+    """
 
     def __init__(self):
         self.pages, self.asked, self.gate = {}, [], threading.Event()
@@ -65,7 +71,7 @@ class Site:
                 site.gate.wait()
 
             def log_message(self, *_):
-                """Says nothing."""
+                """Suppresses the log."""
 
         self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
         self.thread = threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.01})

@@ -1,4 +1,4 @@
-"""Checks every annotation of symjax at every call, in all tests; users pay nothing for it."""
+"""Run-time checks of all type and shape annotations of symjax, switched on in the tests only."""
 
 from contextlib import contextmanager
 
@@ -6,20 +6,20 @@ import jaxtyping
 import pytest
 
 CHECKER = "beartype.beartype(conf=beartype.BeartypeConf(is_pep484_tower=True))"
-"""A whole number is a float, too, as for mypy."""
+"""Accepts an int for a float, as mypy does."""
 
 _raises = pytest.raises
 
 
 def install() -> None:
-    """Checks what is imported from now on."""
+    """Switches the checks on for all modules of symjax that are imported afterwards."""
     jaxtyping.install_import_hook(["symjax"], CHECKER)
     pytest.raises = raises_unchecked
 
 
 @contextmanager
 def raises_unchecked(*args, **options):
-    """`pytest.raises`, with the annotations unchecked inside: a wrong argument meets what it meets at a user's."""
+    """Runs `pytest.raises` without the checks, so that a wrong argument raises the error that users see."""
     with _raises(*args, **options) as caught:
         jaxtyping.config.update("jaxtyping_disable", True)
         try:

@@ -1,15 +1,15 @@
-"""Planted pairs with a rival: outliers of which half follow a second plane, roughly."""
+"""Planted pairs with a competing plane: half of the outliers follow a second plane approximately."""
 
 import numpy as np
 
 from symjax.datasets.planted_pairs import planted_pairs
 
 ROUGH = 0.1
-"""Noise about the second plane: at a σ near the pairs' noise the planted plane is the better, at a large one not."""
+"""Noise of the pairs of the second plane. The planted plane is better if σ is near its own noise, not if σ is large."""
 
 
 def structured_pairs(seed, num_pairs, outliers=0.9, **options):
-    """Planted pairs, and the normal and offset of the plane that half of the outliers follow."""
+    """Returns planted pairs, and the normal and the offset of the plane that half of the outliers follow."""
     rng = np.random.default_rng(seed)
     p = planted_pairs(rng, num_pairs, outliers, **options)
     normal = np.cross(p.normal, rng.normal(size=3)) + 0.5 * p.normal
