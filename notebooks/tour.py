@@ -13,9 +13,9 @@
 # %% [markdown]
 # # A tour of symjax
 #
-# From a scan to its mirror plane; then the estimator by itself: sweeps over σ and starts, and derivatives.
-# This file is a notebook in [jupytext](https://jupytext.readthedocs.io)'s percent format: open it in Jupyter with the
-# jupytext extension, or run it as a script.
+# This notebook detects the mirror plane of a scan. Then it uses the estimator by itself: a sweep over σ and starts, and
+# derivatives. The file is in the percent format of [jupytext](https://jupytext.readthedocs.io): open it in Jupyter with
+# the jupytext extension, or run it as a script.
 
 # %%
 import jax
@@ -31,9 +31,10 @@ from symjax.geometry.directions import fibonacci
 jax.config.update("jax_enable_x64", True)
 
 # %% [markdown]
-# ## A scan, and its plane
+# ## The mirror plane of a scan
 #
-# A generated animal in a random pose, a fifth of it missing, and a stray point for every two. Its true plane is known.
+# The scan is a generated animal in a random pose. A fifth of its points is missing, and there is one outlier for every
+# two remaining points. The true plane is known.
 
 # %%
 rng = np.random.default_rng(1)
@@ -48,8 +49,8 @@ print(f"{float(detection.plane.angle(truth)):.2f} degrees from the true plane,")
 print(f"standard error {detection.uncertainty.normal_degrees:.2f} degrees")
 
 # %% [markdown]
-# The pairs are the evidence: points whose mirror images lie on the surface have a weight near 1, those whose partners
-# are missing a weight near 0.
+# The pairs are the evidence for the plane. A pair has a weight near 1 if the mirror image of its point lies on the
+# surface, and a weight near 0 if the matching part of the surface is missing.
 
 # %%
 fig, ax = plt.subplots(figsize=(6, 2.5))
@@ -58,21 +59,22 @@ ax.set(xlabel="weight of a pair", ylabel="pairs")
 plt.show()
 
 # %% [markdown]
-# Not every object has one plane. The answer says what it has.
+# Not every object has exactly one mirror plane. The detection tells the type of the symmetry.
 
 # %%
 for kind in ("block", "drum", "tree"):
-    answer = symjax.detect(datasets.generate(kind, num_points=3000, rng=0).points)
-    print(f"{kind:6s} {answer.symmetry}, ambiguous {answer.ambiguous}, score {answer.score:.2f}")
+    detected = symjax.detect(datasets.generate(kind, num_points=3000, rng=0).points)
+    print(f"{kind:6s} {detected.symmetry}, ambiguous {detected.ambiguous}, score {detected.score:.2f}")
 
 # %%
 figure = detection.plot()
-print(len(figure.data), "traces; figure.show() opens the interactive picture")
+print(len(figure.data), "traces; figure.show() opens the interactive figure")
 
 # %% [markdown]
 # ## The estimator by itself: a sweep over σ and starts
 #
-# Planted pairs of which 80 % are wrong: 12 scales σ times 32 starts in one compiled call.
+# Of these 400 pairs with a known mirror plane, 80 % are outliers. One compiled call fits them with 12 scales σ and
+# 32 starts for each.
 
 # %%
 pairs = planted_pairs(np.random.default_rng(0), 400, 0.8, "isotropic")
@@ -90,10 +92,10 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# ## Derivatives of the answer
+# ## Derivatives of the plane
 #
-# How much does the normal move when one point moves? The answer is differentiated by the implicit function theorem: one
-# 3 × 3 solve, no unrolling. Outliers have no influence, which is what robustness means.
+# How much does the normal change when one point moves? The fit is differentiated by the implicit function theorem,
+# which takes one 3 × 3 solve and no unrolling of the solver. Outliers have almost no influence: the method is robust.
 
 # %%
 x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
@@ -104,6 +106,6 @@ def normal(x):
 
 
 influence = jnp.linalg.norm(jax.jit(jax.jacrev(normal))(x), axis=(0, 2))
-print("median influence of a right pair ", float(jnp.median(influence[pairs.inlier])))
-print("median influence of an outlier   ", float(jnp.median(influence[~pairs.inlier])))
+print("median influence of an inlier  ", float(jnp.median(influence[pairs.inlier])))
+print("median influence of an outlier ", float(jnp.median(influence[~pairs.inlier])))
 assert jnp.median(influence[pairs.inlier]) > 1e3 * jnp.median(influence[~pairs.inlier])

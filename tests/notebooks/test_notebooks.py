@@ -1,4 +1,4 @@
-"""Every notebook runs from its first cell to its last, no errors allowed."""
+"""Every notebook runs from its first cell to its last without errors."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 NOTEBOOKS = Path(__file__).resolve().parents[2] / "notebooks"
 
 
-# zmq and asyncio warn of their own internals while a kernel starts
+# zmq and asyncio raise warnings about their own internals while a kernel starts
 @pytest.mark.filterwarnings("default")
 @pytest.mark.parametrize("path", sorted(NOTEBOOKS.glob("*.py")), ids=lambda path: path.stem)
 def test_a_notebook_runs(path, monkeypatch):
@@ -17,7 +17,7 @@ def test_a_notebook_runs(path, monkeypatch):
 
     monkeypatch.setenv("MPLBACKEND", "agg")
     monkeypatch.setenv("NOTEBOOK_SEEDS", "1")
-    # the kernel sees the package that the tests see
+    # the kernel imports the same package as the tests
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(NOTEBOOKS.parent), os.environ.get("PYTHONPATH", "")]))
     notebook = jupytext.read(path)
     NotebookClient(
