@@ -97,7 +97,7 @@ def pose(
 
 
 def random_orthogonal(rng: np.random.Generator, *, reflect: bool | None = None) -> Float[np.ndarray, "3 3"]:
-    """Draws an orthogonal matrix from the Haar measure, by QR of a Gaussian matrix with R's signs undone (Mezzadri)."""
+    """Draws a Haar-distributed orthogonal matrix: QR of a Gaussian matrix, with R's signs undone (Mezzadri 2007)."""
     q, r = np.linalg.qr(rng.normal(size=(3, 3)))
     q = q * np.sign(np.diag(r))
     if reflect is not None and (np.linalg.det(q) < 0) != reflect:

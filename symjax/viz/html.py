@@ -143,9 +143,9 @@ def figure(
 def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     """Returns the layout: headline, legend, and two views of the same box from the same direction, without grids."""
     equation, evidence = (escape(line) for line in scenes.headline(detection))
-    low, high = scenes.box(scene, np.eye(3))
+    low, high = scenes.bounds(scene, np.eye(3))
     low, high = low - 0.02 * scene.size, high + 0.02 * scene.size
-    longest = np.ptp(scenes.box(scene, np.stack(scene.view[:2]).T), axis=0).max()
+    longest = np.ptp(scenes.bounds(scene, np.stack(scene.view[:2]).T), axis=0).max()
     space: dict[str, Any] = {
         "aspectmode": "manual",
         "aspectratio": coordinates(ZOOM * (high - low) / longest),

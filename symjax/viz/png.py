@@ -120,7 +120,7 @@ def draw(
 
 def _fit(scene: scenes.Scene, width: int, height: int) -> Panel:
     """Scales the view so that the completed cloud and the quad fill a panel of this size in pixels."""
-    low, high = scenes.box(scene, np.stack(scene.view[:2]).T)
+    low, high = scenes.bounds(scene, np.stack(scene.view[:2]).T)
     width, height = width * SUPERSAMPLING, height * SUPERSAMPLING
     scale = 0.94 * float(np.min(np.array([width, height]) / np.maximum(high - low, 1e-3 * scene.size)))
     return Panel(scene.view, (low + high) / 2, scale, width, height)
@@ -173,7 +173,7 @@ def _draw_removed(canvas: Image.Image, panel: Panel, points: Float[np.ndarray, "
 
 def _disc_radius(projected: Float[np.ndarray, "n 3"], panel: Panel) -> int:
     """Chooses the radius at which the discs just cover the surface, if the cloud fills about half of its box."""
-    low, high = scenes.reach(projected[:, :2])
+    low, high = scenes.robust_bounds(projected[:, :2])
     spacing = np.sqrt(np.prod(high - low) / len(projected))
     return int(np.clip(round(0.9 * spacing), SUPERSAMPLING, 0.009 * panel.height))
 

@@ -1,4 +1,4 @@
-"""Rasterises point clouds as shaded discs with a depth buffer, in NumPy only.
+"""A rasteriser of point clouds: shaded discs with a depth buffer, in NumPy only.
 
 The shading is eye-dome lighting: a pixel is darkened if its neighbours are nearer to the viewer (Boucheny, "Interactive
 scientific visualisation of large datasets: towards a perceptive-based approach", 2009). It shows the shape without
@@ -45,17 +45,17 @@ def shaded_discs(
     Returns:
         The image, and a mask of the pixels that a disc covers.
     """
-    ahead = np.argsort(centres[:, 2], kind="stable")
-    centres, colours = centres[ahead], colours[ahead]
-    winner, edge = _splat(centres[:, :2], radius, height, width)
-    covered = winner >= 0
-    near = np.full(winner.shape, -np.inf)
-    near[covered] = here = centres[winner[covered], 2]
+    order = np.argsort(centres[:, 2], kind="stable")
+    centres, colours = centres[order], colours[order]
+    nearest, edge = _splat(centres[:, :2], radius, height, width)
+    covered = nearest >= 0
+    near = np.full(nearest.shape, -np.inf)
+    near[covered] = here = centres[nearest[covered], 2]
     light = _eye_dome_lighting(near, covered, radius, SHADOW_DEPTH * size) * (1 - EDGE_DARKENING * edge[covered])
     far_end, near_end = depths
     haze = HAZE * np.clip((near_end - here) / max(near_end - far_end, 1e-9 * size), 0, 1)
-    lit = colours[winner[covered]] * light[:, None]
-    picture = np.full((*winner.shape, 3), 255, np.uint8)
+    lit = colours[nearest[covered]] * light[:, None]
+    picture = np.full((*nearest.shape, 3), 255, np.uint8)
     picture[covered] = lit + (255 - lit) * haze[:, None]
     return picture, covered
 
@@ -71,15 +71,15 @@ def _splat(
     columns, rows = centres[index].astype(np.int64).T
     stride = width + 2 * radius  # a border as wide as a radius, so that no disc is clipped
     centre_pixel = (rows + radius) * stride + columns + radius
-    winner = np.full(stride * (height + 2 * radius), -1, np.int64)
-    edge = np.zeros(len(winner), np.float32)
+    nearest = np.full(stride * (height + 2 * radius), -1, np.int64)
+    edge = np.zeros(len(nearest), np.float32)
     for dy, dx in _disc(radius):
         pixel = centre_pixel + dy * stride + dx
-        wins = index > winner[pixel]
-        winner[pixel[wins]] = index[wins]
-        edge[pixel[wins]] = (dx * dx + dy * dy) / (radius * radius)
+        is_nearer = index > nearest[pixel]
+        nearest[pixel[is_nearer]] = index[is_nearer]
+        edge[pixel[is_nearer]] = (dx * dx + dy * dy) / (radius * radius)
     crop = (slice(radius, radius + height), slice(radius, radius + width))
-    return winner.reshape(-1, stride)[crop], edge.reshape(-1, stride)[crop]
+    return nearest.reshape(-1, stride)[crop], edge.reshape(-1, stride)[crop]
 
 
 def _disc(radius: int) -> list[tuple[int, int]]:

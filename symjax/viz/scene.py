@@ -12,15 +12,17 @@ from symjax.geometry.similarity import Similarity
 from symjax.viz.drawable import Drawable
 
 AZIMUTH, ELEVATION = np.radians(27.0), np.radians(20.0)
-"""Rotation of the view about the up direction, away from within the plane, and its elevation above the horizon.
-Both halves of the object and the face of the plane are visible."""
+"""Angle of the view direction to the plane, about the up direction, and its elevation above the horizon. They make both
+halves of the object and the face of the plane visible."""
 
-AMBIGUOUS = {
+AMBIGUITY = {
     "axis": "every plane through the axis is equally good",
     "sphere": "every plane through the centre is equally good",
 }
-SEVERAL = "other planes are equally good"
-"""End of the headline of an ambiguous detection, by its symmetry; `SEVERAL` for all other symmetries."""
+"""End of the headline of an ambiguous detection, by its symmetry."""
+
+OTHER_AMBIGUITY = "other planes are equally good"
+"""The same for all other symmetries."""
 
 MARGIN = 1.08
 """Size of the plane's quad, relative to the extent of the cloud."""
@@ -116,7 +118,7 @@ def build(
         raise TooFewPointsError("the detection has no finite point to draw: run detect on the cloud again")
     removed = thin(given[~on_surface & np.isfinite(given).all(axis=1)], max_points)
     points = thin(points, max_points)
-    low, high = reach(points)
+    low, high = robust_bounds(points)
     origin = (low + high) / 2
     size = float(np.linalg.norm(high - low)) or 1.0
 
@@ -159,7 +161,7 @@ def headline(detection: Drawable) -> tuple[str, str]:
     if detection.inlier_fraction is not None:
         evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs are inliers"
     if detection.ambiguous:
-        evidence += f"; ambiguous: {AMBIGUOUS.get(detection.symmetry, SEVERAL)}"
+        evidence += f"; ambiguous: {AMBIGUITY.get(detection.symmetry, OTHER_AMBIGUITY)}"
     return f"{name} ({normal}) · x = {float(detection.plane.offset):z.6g}", evidence
 
 
@@ -170,7 +172,7 @@ def thin(rows: Shaped[np.ndarray, "n ..."], max_rows: int) -> Shaped[np.ndarray,
     return rows[np.sort(np.random.default_rng(0).choice(len(rows), max_rows, replace=False))]
 
 
-def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
+def robust_bounds(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
     """Returns the lower and the upper corner of the box to show, which a few distant points do not enlarge much."""
     low, high = np.quantile(coordinates, (0.005, 0.995), axis=0)
     slack = 0.5 * (high - low)
@@ -180,9 +182,9 @@ def reach(coordinates: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, " d"
     )
 
 
-def box(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
+def bounds(scene: Scene, axes: Float[np.ndarray, "3 d"]) -> tuple[Float[np.ndarray, " d"], Float[np.ndarray, " d"]]:
     """Returns the lower and the upper corner of everything that is shown, along the axes in the columns of `axes`."""
-    corners = [scene.quad @ axes, *reach(scene.cloud @ axes), *reach(scene.mirrored @ axes)]
+    corners = [scene.quad @ axes, *robust_bounds(scene.cloud @ axes), *robust_bounds(scene.mirrored @ axes)]
     return np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
 
 
@@ -218,7 +220,7 @@ def _quad(
     plane: Plane, axes: Float[np.ndarray, "2 3"], cloud: Float[np.ndarray, "n 3"], size: float
 ) -> Float[np.ndarray, "4 3"]:
     """Returns the corners, in cyclic order, of the rectangle of the plane that spans the cloud."""
-    low, high = reach(cloud @ axes.T)
+    low, high = robust_bounds(cloud @ axes.T)
     centre = (low + high) / 2
     half = np.maximum(MARGIN * (high - low) / 2, MIN_HALF_SIDE * size)
     corners = centre + half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

@@ -19,7 +19,7 @@ from symjax.datasets.sample import random_orthogonal
 FILE = Path(__file__).with_name("golden.json")
 
 NUM_POINTS = 2000
-SINGLE = [kind for kind, about in KINDS.items() if about.symmetry == "single"]
+SINGLE = [name for name, kind in KINDS.items() if kind.symmetry == "single"]
 CLOUDS = [(kind, 0) for kind in KINDS] + [(kind, 1) for kind in SINGLE[:15]]
 """Kind and seed of 60 generated clouds."""
 

@@ -5,7 +5,7 @@ import pytest
 
 from symjax.errors import InvalidArgumentError, TooFewPointsError
 from symjax.geometry.plane import Plane
-from symjax.viz.scene import build, headline, reach, thin
+from symjax.viz.scene import build, headline, robust_bounds, thin
 from tests.helpers.detections import blob, detection_of
 
 
@@ -20,7 +20,7 @@ def test_the_quad_lies_on_the_plane_is_a_rectangle_and_spans_the_cloud(rng):
     np.testing.assert_allclose((sides * np.roll(sides, -1, axis=0)).sum(axis=1), 0.0, atol=1e-12)
     length = np.linalg.norm(sides, axis=1)
     for side, size in zip(sides[:2], length[:2], strict=True):
-        low, high = reach((scene.cloud @ side / size)[:, None])
+        low, high = robust_bounds((scene.cloud @ side / size)[:, None])
         along = scene.quad @ side / size
         assert along.min() < low < high < along.max()
     assert len(scene.others) == 2
@@ -72,7 +72,7 @@ def test_thinning_keeps_the_order_and_repeats_no_row():
 
 def test_a_few_distant_points_hardly_enlarge_the_box(rng):
     values = rng.uniform(size=(2000, 1))
-    low, high = reach(np.concatenate([values, [[1e6]]]))
+    low, high = robust_bounds(np.concatenate([values, [[1e6]]]))
     assert -0.01 < low[0] < high[0] < 1.6
 
 
