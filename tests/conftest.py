@@ -16,6 +16,9 @@ where it gets no more."""
 TESTS = Path(__file__).resolve().parent
 SHARED = TESTS.parents[1] / "shared"
 
+# here and not in `pytest_configure`: a conftest of a folder named on the command line imports symjax before that
+shape_checks.install()
+
 CORE = ("architecture", "cli/test_detect.py", "cli/test_main.py", "helpers")
 CORE_PACKAGES = ("datasets", "detection", "geometry", "io", "preprocess", "viz")
 """Tests and packages that compile little or nothing: with those marked `any_precision` they are the core."""
@@ -30,7 +33,6 @@ def pytest_configure(config):
     jax.config.update("jax_numpy_dtype_promotion", "strict")
     if not config.getoption("--default-flags"):
         jax.config.update("jax_enable_x64", True)
-    shape_checks.install()  # before any test imports symjax
 
 
 def pytest_collection_modifyitems(items):
