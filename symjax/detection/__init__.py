@@ -1,1 +1,1 @@
-"""`detect`: prepares a cloud, asks a method, and answers with a `Detection` in the units of the given points."""
+"""`detect` runs a method on a point cloud and returns a `Detection`, which can be saved, loaded and drawn."""

@@ -1,4 +1,4 @@
-"""The asymmetry map: how far every point's mirror image is from the surface, and on which side."""
+"""The asymmetry map: signed distance of every mirror image from the surface."""
 
 import numpy as np
 from jaxtyping import Float
@@ -11,17 +11,19 @@ from symjax.robust.surface import estimate_surface
 def asymmetry(
     points: Float[np.ndarray, "n 3"], plane: Plane, cloud: Float[np.ndarray, "m 3"]
 ) -> Float[np.ndarray, " n"]:
-    """Signed distances of the points' mirror images from the surface of a cloud.
+    """Computes the signed distances of the points' mirror images from the surface of a cloud.
+
+    The distance has two parts: the height above the surface along its normal, and the distance along the surface
+    to the nearest point of the cloud, less what the spacing of the cloud explains.
 
     Args:
-        points: the points that are mirrored; the distance of one that is not finite is NaN.
-        plane: the mirror.
+        points: the points to reflect.
+        plane: the mirror plane.
         cloud: distinct points of the surface, without outliers; at least nine.
 
     Returns:
-        Distances in the units of the points, along the surface's normal and beyond what the spacing of the cloud
-        explains; positive where the image lies on the side of the surface that faces away from the middle of the
-        cloud.
+        Distances in the units of the points. They are positive where the mirror image lies outside the surface, on
+        the side that faces away from the centre of the cloud, and NaN for points that are not finite.
     """
     surface = estimate_surface(cloud)
     finite = np.isfinite(points).all(axis=1)

@@ -1,4 +1,4 @@
-"""From points to their mirror planes: a cloud is prepared, a method looks at it, the answer is brought back."""
+"""`detect`: prepares a point cloud, runs a method on it, and transforms the result to the units of the input points."""
 
 import os
 from collections.abc import Callable
@@ -23,10 +23,10 @@ from symjax.symhks.method import SymHKS
 NAMED: dict[str, type[Robust] | type[SymHKS]] = {"robust": Robust, "sym-hks": SymHKS}
 
 METHODS = tuple(NAMED)
-"""The names of methods."""
+"""Names of the methods."""
 
 MAX_PLANES = 9
-"""Candidates returned: a cube has nine planes."""
+"""Default limit on the candidates: a cube has nine mirror planes."""
 
 
 def detect(
@@ -42,34 +42,42 @@ def detect(
     max_planes: int = MAX_PLANES,
     progress: Callable[[str], None] | None = None,
 ) -> Detection:
-    """Finds the plane of reflection symmetry of a point cloud.
+    """Finds the mirror plane of a point cloud.
 
-    Everything reported is computed in float64; JAX's global precision is left alone.
+    The computation is in float64 throughout, without changing JAX's global precision.
 
     Args:
-        points: the cloud, in any units and anywhere; or a file of it.
-        method: `"robust"`, short for `Robust()`: planes from many hypotheses, L2E with correspondences that follow the
-            plane, and a verification on the cloud, for clouds with outliers, holes and noise. `"sym-hks"`, short for
-            `SymHKS()`: the paper's Algorithm 1, correspondences by heat kernel signatures made once. Or any `Method`,
-            such as `Robust(init=plane)` or `SymHKS(sigma=0.05)`.
-        normals: surface normals of the points, of either orientation; estimated where not given.
-        rng: seed, or generator, of everything random (and of the sampling, where the file is a mesh).
-        nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
-        max_points: larger clouds are thinned to this many.
-        drop_outliers: leave out scattered outliers first; None leaves it to the method: `Robust` does, and `SymHKS`,
-            like the paper, does not.
-        remove_ground: leave out the dominant plane that a scan stands on, if there is one.
-        max_planes: most candidates that are returned.
-        progress: called with the name of every stage as it begins.
+        points: (n, 3) points in any units; or the path of a point cloud or mesh file.
+        method: `"robust"` (short for `Robust()`) is for clouds with outliers, missing parts and noise: it searches many
+            hypotheses, refines the best by L2E with updated correspondences, and scores them on the whole cloud.
+            `"sym-hks"` (short for `SymHKS()`) is the paper's Algorithm 1: L2E on fixed correspondences of heat kernel
+            signatures. Or any `Method`, such as `Robust(init=plane)` or `SymHKS(sigma=0.05)`.
+        normals: (n, 3) surface normals of the points, of any length and either orientation; estimated if None.
+        rng: seed or generator of all random numbers, including those that sample the points of a mesh file.
+        nonfinite: what to do with points that are NaN or infinite: `"raise"` an error, or `"drop"` them.
+        max_points: limit on the points used; a larger cloud is thinned.
+        drop_outliers: whether to remove scattered outliers first. None leaves the choice to the method: `Robust`
+            removes them; `SymHKS`, like the paper, does not.
+        remove_ground: whether to remove the ground plane of a scan, if there is one.
+        max_planes: limit on the candidates and mirror planes returned.
+        progress: function called with the name of each stage as it begins.
+
+    Returns:
+        The best plane, the evidence for it, and the other candidates. A cloud without symmetry raises no error: read
+        `found`.
 
     Raises:
-        SymjaxError: bad input; the subclass says which (see `symjax.errors`).
+        SymjaxError: the input is invalid. The subclass and the message say why (see `symjax.errors`).
 
     Example:
+        >>> import numpy as np
         >>> import symjax
-        >>> sample = symjax.datasets.generate("mug", num_points=1000, rng=0)
-        >>> det = symjax.detect(sample.points)  # doctest: +SKIP
-        >>> det.plane.normal, det.found  # doctest: +SKIP
+        >>> sample = symjax.datasets.generate("quadruped", num_points=600, rng=0)  # symmetric about x = 0
+        >>> det = symjax.detect(sample.points)
+        >>> det.found
+        True
+        >>> print(np.abs(det.plane.normal).round(2), f"{abs(det.plane.offset):.2f}")
+        [1. 0. 0.] 0.00
     """
     chosen = method_of(method)
     max_planes = whole("max_planes", max_planes, 1)
@@ -92,33 +100,35 @@ def detect(
         given = as_points(points)
     found = chosen.find(cloud, max_planes=max_planes, rng=generator, timer=timer)
     if not found.candidates:
-        raise MethodError(f"the method {chosen.name!r} returned no candidate: at least one is needed")
+        raise MethodError(f"method {chosen.name!r} returned no candidates: it must return at least one")
     return _in_given_units(
         found, cloud, given, method=chosen.name, max_planes=max_planes, seed=seed, reading=reading, timer=timer
     )
 
 
 def method_of(method: str | Method) -> Method:
-    """The method of a name, or the method itself.
+    """Returns the method with a given name, or the given method itself.
 
     Raises:
-        InvalidArgumentError: an unknown name, or an object that is no `Method`.
+        InvalidArgumentError: the name is unknown, or the object is not a `Method`.
     """
     if isinstance(method, str):
         choice("method", method, NAMED)
         return NAMED[method]()
     if isinstance(method, type) or not isinstance(method, Method):
-        raise InvalidArgumentError(f"method must be a name or a Method, such as symjax.Robust(), not {method!r}")
+        raise InvalidArgumentError(
+            f"method must be one of {', '.join(METHODS)}, or a Method such as symjax.Robust(), not {method!r}"
+        )
     return method
 
 
 def _seeded(rng: int | np.integer | np.random.Generator) -> tuple[int | None, np.random.Generator]:
-    """The seed, None for a generator; and the generator."""
+    """Returns the seed (None if a generator was passed) and the generator."""
     if isinstance(rng, np.random.Generator):
         return None, rng
     if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and rng >= 0:
         return int(rng), np.random.default_rng(int(rng))
-    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a numpy Generator, not {rng!r}")
+    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, not {rng!r}")
 
 
 def _in_given_units(
@@ -132,7 +142,7 @@ def _in_given_units(
     reading: tuple[str, ...],
     timer: StageTimer,
 ) -> Detection:
-    """What was found, in the units of the given points."""
+    """Transforms the result of a method to the frame and units of the input points."""
     to_given = cloud.to_given
     candidates = tuple(c._replace(plane=to_given.plane(c.plane).canonical()) for c in found.candidates[:max_planes])
     best, index = candidates[0], cloud.rows[found.rows]

@@ -1,4 +1,4 @@
-"""A detection read back from the JSON that it was saved as."""
+"""Reading a detection from the JSON file that `Detection.save` wrote."""
 
 import json
 import os
@@ -13,18 +13,36 @@ from symjax.detection.serialisation import FORMAT
 from symjax.errors import FileFormatError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
-from symjax.method.result import Candidate
+from symjax.method.result import Axis, Candidate
 
 
 def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> Detection:
-    """Reads what `Detection.save` wrote.
+    """Reads a detection from a file that `Detection.save` wrote.
 
     Args:
         path: the JSON file.
-        points: the cloud, for `plot`, `picture` and `complete`; it is not in the file.
+        points: the points that the plane was detected in. The file does not contain them, and the methods that need
+            them (`plot`, `picture`, `on_surface`, `complete` and `asymmetry`) raise an error without them.
+
+    Returns:
+        The detection, with the given points.
 
     Raises:
-        FileFormatError: missing, unreadable, or no detection.
+        FileFormatError: the file is missing or unreadable, or is not a complete detection.
+
+    Example:
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> import symjax
+        >>> sample = symjax.datasets.generate("quadruped", num_points=600, rng=0)
+        >>> det = symjax.detect(sample.points)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     det.save(Path(folder) / "detection.json")
+        ...     loaded = symjax.load(Path(folder) / "detection.json", points=sample.points)
+        >>> float(loaded.plane.angle(det.plane))
+        0.0
+        >>> loaded.complete().shape
+        (1200, 3)
     """
     try:
         values = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -33,12 +51,12 @@ def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> De
     except ValueError as error:
         raise FileFormatError(f"{path} is not JSON: {error}") from error
     if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
-        raise FileFormatError(f"{path} was not written by Detection.save (no {FORMAT!r})")
+        raise FileFormatError(f"{path} was not written by Detection.save: its format is not {FORMAT!r}")
     try:
         pairs = values.pop("pairs")
         return Detection(
             plane=_plane(values.pop("plane")),
-            axis=_arrays(values.pop("axis")),
+            axis=_axis(values.pop("axis")),
             planes=tuple(_plane(plane) for plane in values.pop("planes")),
             candidates=tuple(
                 Candidate(_plane(c["plane"]), float(c["score"]), float(c["ranking_score"]), c["exactness"])
@@ -57,7 +75,7 @@ def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> De
             **values,
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise FileFormatError(f"{path} is no complete detection: {error}") from error
+        raise FileFormatError(f"{path} is not a complete detection: {error}") from error
 
 
 def _plane(values: dict[str, Any]) -> Plane:
@@ -65,8 +83,11 @@ def _plane(values: dict[str, Any]) -> Plane:
     return Plane(normal.reshape(3), offset.reshape(()))
 
 
-def _arrays(values: list[list[float]] | None) -> Any:
-    return None if values is None else tuple(np.array(value, dtype=float).reshape(3) for value in values)
+def _axis(values: list[list[float]] | None) -> Axis | None:
+    if values is None:
+        return None
+    point, direction = (np.array(value, dtype=float).reshape(3) for value in values)
+    return point, direction
 
 
 def _uncertainty(values: dict[str, Any] | None) -> Uncertainty | None:

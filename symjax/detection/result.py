@@ -1,4 +1,4 @@
-"""The answer of `symjax.detect`: planes, evidence, and what can be done with them."""
+"""The result of `symjax.detect`."""
 
 import os
 from dataclasses import dataclass, field
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 class Pairs(NamedTuple):
-    """Matched points and how well each pair agrees with the plane.
+    """Matched points, and how well each pair agrees with the plane.
 
     Attributes:
-        x: one end of every pair, in the units of the given points.
-        y: the other end.
-        rows: rows of the two ends in the given points.
-        weight: how well each pair agrees with the plane, 0 to 1: by `robust` the agreement of mirror image and surface
-            in place and normal, by `sym-hks` the L2E weight exp(-f_i / 2σ²).
+        x: first point of every pair, in the units of the input points.
+        y: second point of every pair.
+        rows: rows of the two points in the input array.
+        weight: how well each pair agrees with the plane, 0 to 1. For `robust`, the agreement of the mirror image with
+            the surface, in place and normal direction; for `sym-hks`, the L2E weight exp(-f_i / 2σ²).
     """
 
     x: Float[np.ndarray, "m 3"]
@@ -37,38 +37,58 @@ class Pairs(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """A detected mirror plane. NumPy arrays in float64, in the units of the given points.
+    """The result of `symjax.detect`: the best mirror plane of a point cloud, its evidence, and what was computed.
+
+    All arrays are NumPy arrays in float64, and all lengths are in the units of the input points unless stated.
 
     Attributes:
-        plane: the plane `normal · x = offset`, of canonical sign.
-        found: whether the method takes the plane for a mirror plane: whether `score` exceeds `threshold`.
-        ambiguous: whether other candidates are as good: several mirror planes, or all planes through an axis.
-        symmetry: "none", "one plane", "several planes", "axis" or "sphere".
-        axis: point and direction of the axis of a continuous symmetry, or None.
-        planes: the mirror planes, the best first: none, one, or several; of a continuous symmetry, some of them.
-        score: how well the cloud agrees with the plane, 0 to 1. By `robust`, the agreement of the mirrored points
-            over agreement and non-match penalty, weighted; by `sym-hks`, mean L2E weight of the pairs.
-        threshold: what the score must exceed, from what other planes reach on the same cloud; None for a method that
-            has no threshold. `sym-hks` also needs the solver to converge: `found` is false where `converged` is.
-        candidates: distinct planes, best first; the first is `plane`.
-        uncertainty: standard errors of normal and offset with their covariance, or None where the method has none.
+        plane: the best plane, `normal · x = offset`; the largest component of its normal is positive.
+        found: whether the method considers `plane` a mirror plane of the cloud. symjax's own methods require that
+            `score` exceeds `threshold`; `sym-hks` also requires that the solver converged.
+        ambiguous: whether other planes are as good as `plane`: one of several, or all planes through an axis.
+        symmetry: "none", "one plane", "several planes", "axis" (all planes through an axis) or "sphere" (all planes
+            through a centre).
+        axis: a point on the axis of a continuous symmetry and the direction of the axis; None without such a symmetry.
+        planes: the mirror planes, best first. Empty if none was found; a sample of them for a continuous symmetry.
+        score: how well the cloud agrees with the plane, 0 to 1. For `robust`, agreement / (agreement + non-match
+            penalty), both weighted sums over the points; for `sym-hks`, the mean L2E weight of the pairs.
+        threshold: value that the score of a mirror plane exceeds, derived from the scores of other planes on the same
+            cloud; None for a method without a threshold.
+        candidates: the distinct planes that were scored, best first; the first one is `plane`.
+        uncertainty: covariance and standard errors of the normal and offset; None if the method does not estimate them.
         pairs: the matched points.
-        exactness: by `robust`, the score where only mirror images that lie as close to the surface as its own points do
-            agree: 0.5 to 1 for an exact symmetry, near 0 for a rough one. None by `sym-hks`.
+        exactness: for `robust`, the score when only those mirror images agree that are as close to the surface as the
+            points themselves: 0.5 to 1 for an exact symmetry, near 0 for a rough one. None for `sym-hks`.
         inlier_weight: weight from which a pair counts as an inlier.
-        inlier_fraction: share of the pairs that are inliers; None for a method without pairs.
+        inlier_fraction: fraction of the pairs that are inliers; None for a method without pairs.
         converged: whether the solver converged.
-        message: how it ended, a sentence.
+        message: how the solver ended, as a sentence.
         method: name of the method.
-        sigma: scale σ of the residual as a fraction of `diagonal`; None for a method without one.
-        diagonal: length of the diagonal of the cloud's box in its principal frame.
-        seed: the seed given, or None for a generator.
-        num_points: points given.
-        used: rows of the given points that were used, after dropping, merging and thinning.
-        cleaned: whether scattered outliers, or a ground plane, were left out.
-        notes: what was done to the points, or found in them, as sentences.
-        timings: seconds of every stage, in order.
-        points: the given points; None in a detection loaded from a file.
+        sigma: scale σ of the residual as a fraction of `diagonal`; None for a method without a scale.
+        diagonal: length of the diagonal of the cloud's bounding box along its principal axes.
+        seed: the seed that was passed, or None if a generator was passed.
+        num_points: number of input points.
+        used: rows of the input points that were used, after outliers and duplicates were removed and the rest thinned.
+        cleaned: whether outliers or a ground plane were removed.
+        notes: what was noticed in the points or done to them, as sentences.
+        timings: seconds that each stage took, in order.
+        points: the input points; None for a detection loaded from a file without them.
+
+    Example:
+        >>> import numpy as np
+        >>> import symjax
+        >>> sample = symjax.datasets.generate("quadruped", num_points=600, rng=0)  # symmetric about x = 0
+        >>> det = symjax.detect(sample.points)
+        >>> det.found, det.symmetry
+        (True, 'one plane')
+        >>> det.score > det.threshold
+        True
+        >>> f"normal within {det.uncertainty.normal_degrees:.1f} degrees (standard error)"
+        'normal within 0.1 degrees (standard error)'
+        >>> det.complete().shape  # the points and their mirror images
+        (1200, 3)
+        >>> bool(np.median(np.abs(det.asymmetry())) < 0.01 * det.diagonal)
+        True
     """
 
     plane: Plane
@@ -100,52 +120,69 @@ class Detection:
 
     @property
     def num_used(self) -> int:
-        """Number of points used."""
+        """Number of points that were used."""
         return len(self.used)
 
     def mirror(self, points: ArrayLike) -> Float[np.ndarray, "n 3"]:
-        """Mirror images of points in the plane."""
+        """Reflects points in the plane.
+
+        Args:
+            points: (n, 3) points, in the units of the input points.
+
+        Returns:
+            Their mirror images.
+        """
         return np.asarray(self.plane.reflect(np.asarray(points, dtype=float)))
 
     def on_surface(self, points: ArrayLike | None = None) -> Bool[np.ndarray, " n"]:
-        """Which points belong to the object: the finite ones, near those used if outliers or a ground were left out.
+        """Finds which points belong to the object.
+
+        If outliers or a ground plane were removed, these are the finite points near the points that were used;
+        otherwise, all finite points.
 
         Args:
-            points: points in the given units; by default those kept.
+            points: (n, 3) points, in the units of the input points; by default the input points.
+
+        Returns:
+            True for each point that belongs to the object.
 
         Raises:
-            InvalidArgumentError: neither passed nor kept.
+            InvalidArgumentError: the detection was loaded without its points, and they are needed.
         """
         points = self._given(points)
         return completion.on_surface(points, self._given(None)[self.used] if self.cleaned else None)
 
     def complete(self, points: ArrayLike | None = None) -> Float[np.ndarray, "m 3"]:
-        """The completed object P ∪ Q (Sec. 5.6): the points and their mirror images.
+        """Completes the object by its mirror image: P ∪ Q of the paper, Sec. 5.6.
 
         Args:
-            points: by default those kept that are `on_surface`.
+            points: (n, 3) points of the object, in the units of the input points; by default the input points that
+                are `on_surface`.
+
+        Returns:
+            The points, followed by their mirror images.
 
         Raises:
-            InvalidArgumentError: neither passed nor kept.
+            InvalidArgumentError: `points` is None and the detection was loaded without its points.
         """
         if points is None:
             points = self._given(None)[self.on_surface()]
         return completion.complete(np.asarray(points, dtype=float), self.plane)
 
     def asymmetry(self, points: ArrayLike | None = None) -> Float[np.ndarray, " n"]:
-        """The asymmetry map: signed distance of every point's mirror image from the surface, in the points' units.
+        """Computes the asymmetry map: signed distance of every point's mirror image from the surface.
 
-        Positive where the image lies outside, on the side that faces away from the middle of the cloud. The surface is
-        that of the used points.
+        The surface is that of the used points.
 
         Args:
-            points: points in the given units; by default those kept.
+            points: (n, 3) points, in the units of the input points; by default the input points.
 
         Returns:
-            Distances in the order of the points; NaN for one that is not finite.
+            One distance a point, in the units of the input points: positive where the mirror image lies outside the
+            surface, on the side that faces away from the centre of the cloud; NaN for a point that is not finite.
 
         Raises:
-            InvalidArgumentError: neither passed nor kept.
+            InvalidArgumentError: the detection was loaded without its points.
         """
         from symjax.detection.asymmetry import asymmetry
 
@@ -154,11 +191,24 @@ class Detection:
     def _given(self, points: ArrayLike | None) -> Float[np.ndarray, "n 3"]:
         points = self.points if points is None else points
         if points is None:
-            raise InvalidArgumentError("this detection was loaded without its points: pass them")
+            raise InvalidArgumentError(
+                "this detection was loaded without its points: pass them to symjax.load(path, points=…)"
+            )
         return np.asarray(points, dtype=float)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> "Figure":
-        """Interactive picture; with a path, also written there as one self-contained HTML page."""
+        """Draws the cloud, the plane and the pairs as an interactive figure.
+
+        Args:
+            path: HTML file to write the figure to, as one self-contained page; None writes no file.
+
+        Returns:
+            The plotly figure.
+
+        Raises:
+            TooFewPointsError: the detection was loaded without its points.
+            InvalidArgumentError: the file cannot be written.
+        """
         from symjax.viz import html
 
         if path is not None:
@@ -166,15 +216,30 @@ class Detection:
         return html.figure(self)
 
     def picture(self, path: str | os.PathLike[str]) -> None:
-        """Writes a PNG of cloud, plane and pairs beside the completed object."""
+        """Writes a PNG image: the cloud with the plane and the pairs, and beside it the completed object.
+
+        Args:
+            path: the file to write.
+
+        Raises:
+            TooFewPointsError: the detection was loaded without its points.
+            InvalidArgumentError: the file cannot be written.
+        """
         from symjax.viz.png import write_png
 
         write_png(self, path)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the points, as numbers, strings, lists and dictionaries that JSON holds."""
+        """Returns everything except the points as numbers, strings, lists and dictionaries, ready for JSON."""
         return serialisation.to_dict(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes `to_dict()` as JSON; `symjax.load` reads it back, without the points."""
+        """Writes `to_dict()` as JSON. `symjax.load` reads the file.
+
+        Args:
+            path: the file to write; an existing file is replaced.
+
+        Raises:
+            InvalidArgumentError: the file cannot be written.
+        """
         serialisation.save(self, path)

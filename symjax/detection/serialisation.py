@@ -1,4 +1,4 @@
-"""A result as JSON: everything but the points."""
+"""Writing a detection as JSON, without its points."""
 
 import json
 import os
@@ -13,19 +13,19 @@ FORMAT = "symjax detection 3"
 
 
 def to_dict(detection: Any) -> dict[str, Any]:
-    """Everything of a dataclass but its points, as numbers, strings, lists and dictionaries that JSON holds."""
+    """Returns the fields of a detection, except its points, as values that JSON can represent."""
     values = {f.name: getattr(detection, f.name) for f in fields(detection) if f.name != "points"}
     return {"format": FORMAT, **_plain(values)}
 
 
 def save(detection: Any, path: str | os.PathLike[str]) -> None:
-    """Writes `to_dict` as JSON; `symjax.load` reads it back, without the points."""
+    """Writes the dictionary of `to_dict` to a JSON file."""
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(to_dict(detection), indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _plain(value: Any) -> Any:
-    """NumPy and named tuples as what JSON knows."""
+    """Converts arrays and named tuples to lists and dictionaries."""
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return _plain(value._asdict())
     if isinstance(value, dict):

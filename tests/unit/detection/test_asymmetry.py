@@ -1,4 +1,4 @@
-"""The asymmetry map is zero where the mirror image is on the surface, and signed heights where it is not."""
+"""The asymmetry map is zero where the mirror image lies on the surface, and its signed height elsewhere."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def sphere(radius=1.0, num=4000):
 
 @pytest.mark.parametrize("radius", [1.1, 0.9])
 def test_the_height_of_a_point_off_a_sphere_is_that_of_its_image(radius):
-    # its image is as far off the sphere as it is: outside is positive
+    # the mirror image is as far from the sphere as the point: positive outside
     found = asymmetry(sphere(radius, 50), PLANE, sphere())
     np.testing.assert_allclose(found, radius - 1, atol=5e-3)
 
@@ -29,7 +29,7 @@ def test_a_symmetric_surface_has_no_asymmetry_and_a_shifted_plane_has_twice_the_
     np.testing.assert_allclose(found, [-0.1, 0.1], atol=5e-3)
 
 
-def test_the_map_keeps_the_order_of_the_points_and_knows_nothing_of_one_that_is_not_finite():
+def test_the_map_keeps_the_order_of_the_points_and_is_nan_where_they_are_not_finite():
     points = np.concatenate([sphere(1.1, 5), np.full((1, 3), np.nan), sphere(0.9, 5)])
     found = asymmetry(points, PLANE, sphere())
     assert np.flatnonzero(np.isnan(found)).tolist() == [5]

@@ -1,4 +1,4 @@
-"""What belongs to the object lies near the points that were used; the completed object is its own mirror image."""
+"""Points of the object are near the points that were used; the completed object is its own mirror image."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def test_without_used_points_everything_finite_belongs_to_the_object():
     assert on_surface(points, None).tolist() == [True, False, False, True]
 
 
-def test_what_belongs_to_the_object_is_near_the_used_points():
+def test_points_near_the_used_points_belong_to_the_object():
     heights = np.array([0.0, NEAR - 0.01, NEAR + 0.01, 100.0, np.nan])
     points = np.c_[np.full(5, 4.0), np.full(5, 5.0), heights]
     assert on_surface(points, GRID).tolist() == [True, True, False, False, False]

@@ -1,4 +1,4 @@
-"""What `detect` does for any method: it brings answers back, seeds them, and refuses bad arguments before the work."""
+"""What `detect` does for any method: it transforms the result, seeds the method, and checks the arguments first."""
 
 import warnings
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from symjax.preprocess.cloud import DENSITY_POINTS, prepare
 
 @dataclass(frozen=True)
 class FirstAxis:
-    """A method of somebody else: it answers with the plane across the first axis of the cloud's own frame."""
+    """A user's method: it returns the planes across the axes of the cloud's own frame, the first one first."""
 
     name: str = "first axis"
     drops_outliers: bool = False
@@ -35,7 +35,7 @@ def cloud(rng):
     return rng.normal(size=(400, 3)) * [3.0, 2.0, 1.0] + [5.0, 0.0, -7.0]
 
 
-def test_any_method_will_do_and_its_answer_is_brought_back(cloud):
+def test_any_method_works_and_its_result_is_in_the_units_of_the_input(cloud):
     method = FirstAxis()
     det = symjax.detect(cloud, method, max_planes=2)
     own = prepare(cloud)
@@ -50,7 +50,7 @@ def test_any_method_will_do_and_its_answer_is_brought_back(cloud):
     np.testing.assert_allclose(second.signed_distance(middle[None]), 0.0, atol=1e-9)
 
 
-def test_what_a_method_does_not_say_is_none_and_the_detection_is_whole_all_the_same(cloud, tmp_path):
+def test_what_a_method_does_not_compute_is_none_and_the_detection_still_works(cloud, tmp_path):
     det = symjax.detect(cloud, FirstAxis())
     assert (det.sigma, det.threshold, det.inlier_fraction, det.uncertainty, det.exactness) == (None,) * 5
     assert det.pairs.x.shape == (0, 3)
@@ -102,7 +102,7 @@ def test_bad_normals_are_refused(cloud, normals):
         ({"max_points": 10}, "max_points"),
     ],
 )
-def test_bad_arguments_are_refused_before_the_work(cloud, options, words):
+def test_bad_arguments_are_refused_before_anything_is_computed(cloud, options, words):
     method = FirstAxis()
     with pytest.raises(InvalidArgumentError, match=words) as caught:
         symjax.detect(cloud, **({"method": method} | options))
@@ -149,7 +149,7 @@ def test_max_points_holds_for_a_method_that_drops_outliers(rng):
         assert asked < DENSITY_POINTS or kept > DENSITY_POINTS
 
 
-def test_a_scattered_point_is_dropped_if_the_method_or_the_caller_wants_it(rng):
+def test_outliers_are_dropped_if_the_method_or_the_caller_asks_for_it(rng):
     sphere = rng.normal(size=(2000, 3))
     sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
     cloud = np.concatenate([sphere * [3, 2, 1], rng.uniform(-3, 3, size=(1000, 3))])

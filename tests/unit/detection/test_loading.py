@@ -1,4 +1,4 @@
-"""A detection that was saved is read back the same, without its points; anything else is refused."""
+"""`load` reads back what `save` wrote, and refuses other files."""
 
 import json
 
@@ -56,7 +56,7 @@ def test_a_file_that_lacks_something_is_refused(missing, rng, tmp_path):
     del values[missing]
     path = tmp_path / "det.json"
     path.write_text(json.dumps(values), encoding="utf-8")
-    with pytest.raises(FileFormatError, match="no complete detection"):
+    with pytest.raises(FileFormatError, match="is not a complete detection"):
         load(path)
 
 

@@ -1,4 +1,4 @@
-"""What `detect` makes of the results of other people's methods, good and bad."""
+"""How `detect` handles the results of methods, valid and invalid."""
 
 from dataclasses import dataclass
 
@@ -17,11 +17,11 @@ CANDIDATES = tuple(Candidate(plane, 1.0, 1.0) for plane in AXES)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """A method that answers with what it is given."""
+class FixedResult:
+    """A method that returns a given result."""
 
     result: MethodResult
-    name: str = "answer"
+    name: str = "fixed"
     drops_outliers: bool = False
 
     def find(self, cloud, *, max_planes, rng, timer):
@@ -34,13 +34,13 @@ def cloud(rng):
 
 
 def test_a_method_without_a_candidate_is_named_in_the_error(cloud):
-    with pytest.raises(MethodError, match="'answer' returned no candidate"):
-        symjax.detect(cloud, Answer(MethodResult((), (), "none")))
+    with pytest.raises(MethodError, match="'fixed' returned no candidates"):
+        symjax.detect(cloud, FixedResult(MethodResult((), (), "none")))
 
 
 @pytest.mark.parametrize("most", [1, 2, 9])
 def test_no_more_candidates_and_planes_are_kept_than_asked_for(cloud, most):
-    found = symjax.detect(cloud, Answer(MethodResult(CANDIDATES, AXES, "several planes")), max_planes=most)
+    found = symjax.detect(cloud, FixedResult(MethodResult(CANDIDATES, AXES, "several planes")), max_planes=most)
     assert len(found.candidates) == len(found.planes) == min(most, 3)
 
 

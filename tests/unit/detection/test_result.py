@@ -71,7 +71,7 @@ def test_a_saved_detection_is_loaded_as_it_was(detection, tmp_path):
         symjax.load(tmp_path / "x.json").complete()
 
 
-def test_what_is_no_detection_is_refused(detection, tmp_path):
+def test_a_file_without_a_detection_is_refused(detection, tmp_path):
     path = tmp_path / "x.json"
     with pytest.raises(FileFormatError, match=r"cannot read .*x\.json"):
         symjax.load(path)
