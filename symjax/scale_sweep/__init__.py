@@ -1,1 +1,1 @@
-"""Fits of one set of pairs for many scales σ and starts: optima, summary, export, and an interactive page."""
+"""The scale sweep: fits of one set of pairs for many scales σ and starts, their optima, and an interactive page."""

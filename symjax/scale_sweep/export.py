@@ -1,4 +1,4 @@
-"""A scale sweep as files that other programs read."""
+"""Export of a scale sweep as netCDF or CSV."""
 
 import csv
 import os
@@ -18,10 +18,14 @@ AXES = "xyz"
 
 
 def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
-    """Write every fit: as netCDF if the name ends in .nc, else as CSV.
+    """Writes every fit, as netCDF if the file name ends in .nc and else as CSV.
+
+    Args:
+        sweep: the scale sweep.
+        path: the file to write; an existing file is replaced.
 
     Raises:
-        InvalidArgumentError: the file cannot be written, or is netCDF and xarray is not installed.
+        InvalidArgumentError: the file cannot be written, or it is netCDF and xarray is not installed.
     """
     target = Path(path)
     with replacing(target) as temporary:
@@ -32,14 +36,14 @@ def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
 
 
 def as_dataset(sweep: ScaleSweep) -> "xarray.Dataset":
-    """`Fit.to_xarray` of the fits, with σ as a fraction of the diagonal too, and the ranks of the optima."""
+    """Returns the fits as `Fit.to_xarray` does, with σ also as a fraction of the diagonal, and the ranks of the optima."""
     data = dataset(sweep.fits).assign_coords(
         fraction=("sigma", sweep.fractions, {"long_name": "sigma as a fraction of the diagonal", "units": "1"})
     )
     data["rank"] = (
         ("sigma", "restart"),
         sweep.rank,
-        {"long_name": "rank by loss of the optimum reached, 0 the best, -1 none"},
+        {"long_name": "rank by loss of the optimum reached: 0 for the best, -1 if not converged"},
     )
     found = sweep.estimated
     data.attrs |= {
@@ -55,7 +59,7 @@ def as_dataset(sweep: ScaleSweep) -> "xarray.Dataset":
 
 
 def _write_csv(sweep: ScaleSweep, path: Path) -> None:
-    """One row a fit."""
+    """Writes one row per fit."""
     fits, shape = sweep.fits, sweep.rank.shape
     columns: dict[str, Any] = {
         "sigma": fits.sigma,

@@ -10,21 +10,21 @@ from symjax.geometry.plane_nms import near
 from symjax.geometry.similarity import Similarity
 
 SAME_ANGLE, SAME_OFFSET = 0.05, 1e-3
-"""Planes nearer than this (degrees; diagonals, at the middle) are one optimum. Of 256 starts on 119 pairs, those that
-converged to one were within 1e-8 of each other, and distinct optima never within 0.3 degrees, from σ = 0.005 to 0.2 of
-the diagonal."""
+"""Planes nearer to each other than this (in degrees, and in diagonals at the centre of the cloud) are one optimum. For
+256 starts on 119 pairs and σ from 0.005 to 0.2 of the diagonal, starts that converged to one optimum were within 1e-8
+of each other, and distinct optima were never within 0.3 degrees."""
 
-NOWHERE = -1
-"""Rank of a start that has not converged."""
+NOT_CONVERGED = -1
+"""Rank of a start that did not converge."""
 
 
 class Optimum(NamedTuple):
-    """An optimum of one σ.
+    """A local optimum of the loss at one σ.
 
     Attributes:
-        plane: its plane.
-        loss: the loss there.
-        share: share of the starts that reach it.
+        plane: the plane.
+        loss: its loss.
+        share: fraction of the starts that reach it.
     """
 
     plane: Plane
@@ -33,12 +33,12 @@ class Optimum(NamedTuple):
 
 
 def optima(planes: Plane, loss: Float[np.ndarray, " r"], rank: Int[np.ndarray, " r"]) -> list[Optimum]:
-    """The distinct optima, the best first.
+    """Returns the distinct optima, best first.
 
     Args:
-        planes: where the starts ended.
-        loss: the loss there.
-        rank: the ranks of what they reached.
+        planes: the plane that each start ended at.
+        loss: loss of each plane.
+        rank: rank of the optimum that each start reached, see `ranks`.
     """
     found = []
     for number in range(rank.max() + 1):
@@ -57,24 +57,24 @@ def ranks(
     centre: Float[np.ndarray, " 3"],
     diagonal: float,
 ) -> Int[np.ndarray, " r"]:
-    """The rank of the optimum that each start has reached, by loss: 0 is the best.
+    """Groups the planes into distinct optima, and returns the rank by loss of each start's optimum: 0 is the best.
 
     Args:
-        planes: where the starts ended.
-        loss: the loss there.
-        converged: which of them converged; the others get the rank `NOWHERE`.
-        centre: middle of the cloud: the place where offsets are compared.
-        diagonal: what they are compared with.
+        planes: the plane that each start ended at.
+        loss: loss of each plane.
+        converged: whether each start converged; if not, its rank is `NOT_CONVERGED`.
+        centre: centre of the cloud, where offsets are compared.
+        diagonal: diagonal of the cloud, in which differences of offsets are measured.
     """
     centred = Similarity(1.0, None, -centre).plane(planes)
-    rank = np.full(len(loss), NOWHERE)
-    left = converged & np.isfinite(loss)
+    rank = np.full(len(loss), NOT_CONVERGED)
+    remaining = converged & np.isfinite(loss)
     number = 0
-    while left.any():
-        best = int(np.argmin(np.where(left, loss, np.inf)))
+    while remaining.any():
+        best = int(np.argmin(np.where(remaining, loss, np.inf)))
         optimum = Plane(centred.normal[best], centred.offset[best])
-        same = left & near(centred, optimum, angle=SAME_ANGLE, offset=SAME_OFFSET * diagonal)
+        same = remaining & near(centred, optimum, angle=SAME_ANGLE, offset=SAME_OFFSET * diagonal)
         rank[same] = number
-        left &= ~same
+        remaining &= ~same
         number += 1
     return rank

@@ -1,4 +1,4 @@
-"""The optima of a scale sweep against σ: how far from the estimated plane, and how good."""
+"""Plots of the optima of a scale sweep against σ: angle and distance to the estimated plane, and loss."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -17,34 +17,34 @@ if TYPE_CHECKING:
     from symjax.scale_sweep.run import ScaleSweep
 
 LEAST = 1e-3
-"""Where the logarithmic axes end, in degrees and in per cent of the diagonal: nearer planes are drawn there."""
+"""Lower limit of the logarithmic axes, in degrees and in per cent of the diagonal. Smaller values are drawn there."""
 
 NAMES = (
-    "angle to the plane with σ estimated",
-    "distance from it, of the diagonal",
+    "angle to the plane with estimated σ",
+    "distance to that plane, of the diagonal",
     "loss, in units of (4πσ²)<sup>−3/2</sup>",
 )
 WIDTH, GAP = 0.44, 0.085
-"""Where the panels end, and the gap between them, in widths and heights of the page."""
+"""Right edge of the panels as a fraction of the page's width, and the gap between them as one of its height."""
 
 HEIGHT = (1 - 2 * GAP) / 3
 
 ANGLES = {value: f"{value:g}°" for value in (0.001, 0.01, 0.1, 1, 10, 90)}
 DISTANCES = {value: f"{value:g} %" for value in (0.001, 0.01, 0.1, 1, 10, 100)}
 SIGMAS = {value * 10.0**power: f"{value * 10.0**power:g}" for power in range(-6, 3) for value in (1, 2, 5)}
-"""Ticks."""
+"""Ticks of the axes: values and their labels."""
 
 
 def traces(sweep: "ScaleSweep", found: list[list[Optimum]]) -> list[dict[str, Any]]:
-    """For each panel a line through the best plane of every σ, and a dot for every optimum.
+    """Returns two plotly traces per panel: a line through the best plane at every σ, and a dot for every optimum.
 
-    A dot has the colour of its rank, as on the sphere map, and is the larger the more starts reach it.
+    The colour of a dot shows its rank, as on the sphere map. Its size shows how many starts reach the optimum.
 
     Args:
-        sweep: what is drawn.
+        sweep: the scale sweep.
         found: the distinct optima at every σ.
     """
-    # the best last, so that it is drawn above the others
+    # the best is last, so that it is drawn above the others
     dots = [
         (index, rank, optimum) for index, row in enumerate(found) for rank, optimum in reversed(list(enumerate(row)))
     ]
@@ -83,16 +83,16 @@ _HOVER = "%{text}<br>%{y:.4g}<extra></extra>"
 def _heights(
     sweep: "ScaleSweep", planes: "Plane", loss: Float[np.ndarray, " k"], fractions: Float[np.ndarray, " k"]
 ) -> list[Float[np.ndarray, " k"]]:
-    """Of planes, what the three panels show."""
-    truth, pairs = sweep.estimated.plane, sweep.pairs
-    angle = np.asarray(deviation_angle(planes.normal, truth.normal))
-    distance = np.asarray(offset_error(planes, truth, pairs.centre, pairs.diagonal))
+    """Computes the values that the three panels show of some planes."""
+    reference, pairs = sweep.estimated.plane, sweep.pairs
+    angle = np.asarray(deviation_angle(planes.normal, reference.normal))
+    distance = np.asarray(offset_error(planes, reference, pairs.centre, pairs.diagonal))
     unit = (4 * np.pi * (fractions * pairs.diagonal) ** 2) ** 1.5
     return [np.maximum(angle, LEAST), np.maximum(100 * distance, LEAST), loss * unit]
 
 
 def axes() -> dict[str, Any]:
-    """The layout's axes of the three panels, over one another."""
+    """Returns the axes of plotly's layout for the three panels, which are stacked."""
     shared = {
         "gridcolor": "rgb(236, 239, 243)",
         "linecolor": css(colours.REJECTED),
@@ -120,7 +120,7 @@ def axes() -> dict[str, Any]:
 
 
 def top(number: int) -> float:
-    """The upper edge of a panel, counted from 1 at the top."""
+    """Returns the upper edge of a panel; panels are numbered from 1 at the top."""
     return (3 - number) * (HEIGHT + GAP) + HEIGHT
 
 

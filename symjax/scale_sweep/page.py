@@ -1,4 +1,4 @@
-"""An interactive page of a scale sweep: the optima against σ, and the basin map."""
+"""Interactive page of a scale sweep: plots of the optima against σ, and the basin map."""
 
 import os
 from typing import TYPE_CHECKING, Any
@@ -18,22 +18,23 @@ if TYPE_CHECKING:
     from symjax.scale_sweep.run import ScaleSweep
 
 SPHERE, SPHERE_END = 0.49, 0.9
-"""Where the sphere map begins and ends, in widths of the page; the legend is beside it."""
+"""Left and right edge of the sphere map as fractions of the page's width; the legend is to its right."""
 
 BASINS = (
-    "Every mirror plane is two opposite points of the sphere, so that half of it, seen from any side, shows them all. "
-    "Each part has the colour of its nearest start (dot): that of the optimum (diamond) which the start reaches"
+    "A point of the sphere is the normal of a plane. Opposite points are the same plane, so that half of the sphere "
+    "shows every plane. Dots are starts and diamonds are optima. A start and the region around it have the colour of "
+    "the optimum that the start reaches"
 )
-NO_BASINS = "A continuation follows planes from one σ to the next: the sphere shows optima (diamonds), and no basins"
+NO_BASINS = "A continuation follows optima from one σ to the next: the sphere shows optima (diamonds) but no basins"
 
 
 def write_html(sweep: "ScaleSweep", path: str | os.PathLike[str], *, title: str = "symjax sweep") -> None:
-    """Write the figure as one self-contained page: its script is inside (about 5 MB), nothing is fetched.
+    """Writes the figure as one self-contained HTML page of about 5 MB, which loads nothing from the network.
 
     Args:
-        sweep: what `symjax.scale_sweep.run.scale_sweep` gave.
-        path: file to write; it is replaced if it exists.
-        title: the page's title, as plain text.
+        sweep: the result of `symjax.scale_sweep.run.scale_sweep`.
+        path: the file to write; an existing file is replaced.
+        title: title of the page, as plain text.
 
     Raises:
         InvalidArgumentError: the file cannot be written.
@@ -43,11 +44,11 @@ def write_html(sweep: "ScaleSweep", path: str | os.PathLike[str], *, title: str 
 
 
 def figure(sweep: "ScaleSweep") -> "Figure":
-    """A plotly figure: three panels against σ on the left, the basin map with a slider for σ on the right.
+    """Returns a plotly figure: three panels against σ on the left, the basin map with a slider for σ on the right.
 
-    The slider begins at the σ nearest to the estimated one; it also moves a band through the panels.
+    The slider begins at the σ nearest to the estimated one. A band in the panels marks the σ of the slider.
     """
-    from plotly.graph_objects import Figure  # a good part of a second, for those who draw
+    from plotly.graph_objects import Figure  # plotly is slow to import: only for those who draw
 
     found = [
         optima(sweep.fits.plane._replace(normal=normal, offset=offset), loss, rank)
@@ -69,12 +70,12 @@ def figure(sweep: "ScaleSweep") -> "Figure":
 
 
 def _estimated(sweep: "ScaleSweep") -> float:
-    """σ as estimated, as a fraction of the diagonal."""
+    """The estimated σ as a fraction of the diagonal."""
     return float(sweep.estimated.sigma) / sweep.pairs.diagonal
 
 
 def _lines(sweep: "ScaleSweep", fraction: float) -> list[dict[str, Any]]:
-    """Through all panels, the σ that the sphere map shows (a band), and the one that is estimated (dotted)."""
+    """Returns vertical lines through all panels: a band at the σ of the sphere map, a dotted line at the estimated σ."""
     styles = ((fraction, colours.REMOVED, 7, "solid"), (_estimated(sweep), colours.INK, 1, "dot"))
     return [
         {
@@ -93,7 +94,7 @@ def _layout(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict
     number = sweep.rank.shape[1]
     normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
     subtitle = (
-        f"σ estimated: {_estimated(sweep):.4g} of the diagonal; {float(sweep.estimated.inlier_fraction):.0%} of "
+        f"Estimated σ: {_estimated(sweep):.4g} of the diagonal; {float(sweep.estimated.inlier_fraction):.0%} of "
         f"{len(sweep.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
         f"({options.start}) at each of {len(found)} σ, solver {options.solver}"
     )
@@ -135,7 +136,7 @@ def _heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def _slider(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict[str, Any]:
-    """A step for every σ."""
+    """Returns the slider, with one step for every σ."""
     at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
     share = np.asarray(sweep.fits.converged).mean(axis=1)
     return {
@@ -150,7 +151,7 @@ def _slider(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict
             for index, (fraction, row) in enumerate(zip(sweep.fractions, found, strict=True))
         ],
         "currentvalue": {"prefix": "σ ", "font": {"size": 15, "color": css(colours.INK)}, "xanchor": "left"},
-        # the labels are sentences: the one at work is enough
+        # the labels are long: only the current one is shown
         "font": {"color": "rgba(0, 0, 0, 0)"},
         "x": SPHERE + 0.03,
         "len": 0.97 - SPHERE,

@@ -1,4 +1,4 @@
-"""The pairs of a scale sweep, with the size that σ is a fraction of."""
+"""The pairs of a scale sweep, with the diagonal that σ is a fraction of."""
 
 from typing import Literal, NamedTuple
 
@@ -16,14 +16,14 @@ Nonfinite = Literal["raise", "drop"]
 
 
 class SweepPairs(NamedTuple):
-    """Putative mirror pairs.
+    """Putative mirror pairs, with the centre and size of their cloud.
 
     Attributes:
-        x: one end of every pair, in the units of the file.
-        y: the other end.
-        centre: middle of the cloud, or of the pairs.
-        diagonal: of its box, in its principal frame.
-        notes: where the pairs are from, and what was done to the points, as sentences.
+        x: first point of every pair, in the units of the file.
+        y: second point of every pair.
+        centre: mean of the cloud, or of the points of the pairs.
+        diagonal: length of the diagonal of the bounding box along the principal axes.
+        notes: the source of the pairs and what was done to the points, as sentences.
     """
 
     x: Float[np.ndarray, "n 3"]
@@ -34,42 +34,42 @@ class SweepPairs(NamedTuple):
 
 
 def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise") -> SweepPairs:
-    """The correspondences of a cloud by Sym-HKS, those of `detect(method="sym-hks")`.
+    """Finds the correspondences of a cloud by Sym-HKS, as `detect(points, "sym-hks")` does.
 
     Args:
         points: the cloud, in any units.
-        nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity.
+        nonfinite: what to do with points that are NaN or infinite: `"raise"` an error, or `"drop"` them.
 
     Raises:
-        SymjaxError: a cloud that has no correspondences; the subclass says why.
+        SymjaxError: no correspondences were found; the subclass and the message say why.
     """
     method = SymHKS()
     cloud = prepare(points, nonfinite=nonfinite, drop_outliers=method.drops_outliers)
     matches = correspondences(cloud.points, options=method)
     ends = points[cloud.rows[matches.rows]]
-    notes = (f"{len(ends)} pairs by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
+    notes = (f"{len(ends)} correspondences found by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
     return SweepPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
 
 
 def given_pairs(
     x: Float[np.ndarray, "n 3"], y: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "raise"
 ) -> SweepPairs:
-    """Pairs that are known.
+    """Checks given pairs, and computes the centre and diagonal of their points.
 
     Args:
-        x: one end of every pair, in any units.
-        y: the other end.
-        nonfinite: `"raise"`, or `"drop"` pairs with NaN or infinity.
+        x: first point of every pair, in any units.
+        y: second point of every pair.
+        nonfinite: what to do with pairs that are NaN or infinite: `"raise"` an error, or `"drop"` them.
 
     Raises:
-        NonfiniteError: NaN or infinity, with `nonfinite="raise"`.
-        TooFewPointsError: fewer than three pairs.
-        DegenerateCloudError: all ends are one point.
+        NonfiniteError: a pair is NaN or infinite, with `nonfinite="raise"`.
+        TooFewPointsError: there are fewer than three pairs.
+        DegenerateCloudError: all points coincide.
     """
     notes: list[str] = []
     rows = finite_rows(np.concatenate([x, y], axis=1), nonfinite, notes, noun="pairs")
     if len(rows) < MIN_PAIRS:
-        raise TooFewPointsError(f"{len(rows)} pairs are too few: a plane takes {MIN_PAIRS} or more")
+        raise TooFewPointsError(f"{len(rows)} pairs are too few: at least {MIN_PAIRS} are needed to fit a plane")
     x, y = x[rows], y[rows]
     to_given = in_own_frame(np.concatenate([x, y]), "ends of pairs").to_given
     return SweepPairs(x, y, np.asarray(to_given.shift), float(to_given.scale), (f"{len(x)} pairs given", *notes))

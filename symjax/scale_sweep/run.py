@@ -1,4 +1,4 @@
-"""A sweep over σ and starts, some σ at a time."""
+"""The scale sweep: fits over scales σ and starts, computed in batches of σ."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -16,18 +16,18 @@ from symjax.scale_sweep.optima import ranks
 from symjax.scale_sweep.pairs import SweepPairs
 
 SLOTS = 1024
-"""Fits that are computed together, at least: enough to keep the cores busy, and a fraction of a second."""
+"""Least number of fits in a batch: enough to keep the cores busy, and done in a fraction of a second."""
 
 
 class Options(NamedTuple):
-    """How a scale sweep is made.
+    """Options of a scale sweep.
 
     Attributes:
         start: name of the starts, see `symjax.sweep`.
-        restarts: number of them; of the starts that are one, 1.
+        restarts: number of starts; 1 if the name stands for a single start.
         solver: see `symjax.fit_plane`.
-        continuation: see `symjax.sweep`; the starts are then not known at every σ.
-        seed: of random starts.
+        continuation: see `symjax.sweep`; the sweep then does not record the start of each fit.
+        seed: seed of the random starts.
     """
 
     start: str
@@ -42,12 +42,12 @@ class ScaleSweep(NamedTuple):
 
     Attributes:
         pairs: the pairs.
-        options: how they were swept.
+        options: the options of the sweep.
         fractions: σ as fractions of the diagonal.
-        fits: the fits.
-        rank: rank by loss of the optimum that each reached, at its σ (`symjax.scale_sweep.optima`).
+        fits: the fits, with axes σ and start.
+        rank: rank by loss of the optimum that each fit reached, among those at its σ (`symjax.scale_sweep.optima`).
         best: the best fit at every σ.
-        estimated: the best fit of all, σ estimated with the plane.
+        estimated: the fit of `fit_global` that estimates σ together with the plane.
     """
 
     pairs: SweepPairs
@@ -67,24 +67,24 @@ def scale_sweep(
     stage: Callable[[str], None],
     advance: Callable[[int, int], None],
 ) -> ScaleSweep:
-    """Sweeps pairs over σ and starts, in float64, and looks for the best plane of all.
+    """Fits pairs for many σ and starts, in float64, and fits the plane with σ estimated.
 
     Args:
         pairs: the pairs.
         fractions: scales σ as fractions of the diagonal.
-        options: see `Options`.
-        stage: called with the name of every stage as it begins.
-        advance: called with the number of σ that are done, and of all.
+        options: the options.
+        stage: function called with the name of each stage as it begins.
+        advance: function called with the number of σ done and the number of all σ.
 
     Raises:
-        SymjaxError: see `symjax.sweep`.
+        SymjaxError: the pairs or the options are invalid, see `symjax.sweep`.
     """
     sigmas = np.asarray(fractions, float) * pairs.diagonal
     if options.start in NORMALS:
         options = options._replace(restarts=1)
-    fits = _swept(pairs, sigmas, options, stage, advance)
+    fits = _fits(pairs, sigmas, options, stage, advance)
     stage("estimating sigma")
-    estimated = _known(fit_global(pairs.x, pairs.y, "auto"))
+    estimated = _to_numpy(fit_global(pairs.x, pairs.y, "auto"))
     rank = np.stack(
         [
             ranks(Plane(*planes), loss, converged, centre=pairs.centre, diagonal=pairs.diagonal)
@@ -94,21 +94,21 @@ def scale_sweep(
     return ScaleSweep(pairs, options, np.asarray(fractions, float), fits, rank, best(fits), estimated)
 
 
-def _swept(
+def _fits(
     pairs: SweepPairs,
     sigmas: Float[np.ndarray, " S"],
     options: Options,
     stage: Callable[[str], None],
     advance: Callable[[int, int], None],
 ) -> Fit:
-    """The fits, from sweeps of one compiled shape."""
-    is_whole = options.continuation
+    """Fits in batches of equal size, so that one program is compiled for all."""
+    is_single_batch = options.continuation
     parts = -(-len(sigmas) * options.restarts // SLOTS)
-    size = len(sigmas) if is_whole else -(-len(sigmas) // min(parts, len(sigmas)))
+    size = len(sigmas) if is_single_batch else -(-len(sigmas) // min(parts, len(sigmas)))
     key = jax.random.key(options.seed) if options.start == "random" else None
 
-    def run(some: Float[np.ndarray, " s"]) -> Fit:
-        padded = np.concatenate([some, np.repeat(some[-1:], size - len(some))])
+    def run(batch: Float[np.ndarray, " s"]) -> Fit:
+        padded = np.concatenate([batch, np.repeat(batch[-1:], size - len(batch))])
         fits = sweep(
             pairs.x,
             pairs.y,
@@ -119,7 +119,8 @@ def _swept(
             solver=options.solver,
             continuation=options.continuation,
         )
-        return jax.tree.map(lambda leaf: leaf[: len(some)], _known(fits))
+        without_padding: Fit = jax.tree.map(lambda leaf: leaf[: len(batch)], _to_numpy(fits))
+        return without_padding
 
     stage("sweeping sigma")
     advance(0, len(sigmas))
@@ -127,8 +128,10 @@ def _swept(
     for first in range(0, len(sigmas), size):
         fits.append(run(sigmas[first : first + size]))
         advance(min(first + size, len(sigmas)), len(sigmas))
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *fits)
+    joined: Fit = jax.tree.map(lambda *leaves: np.concatenate(leaves), *fits)
+    return joined
 
 
-def _known(fits: Fit) -> Fit:
-    return jax.tree.map(np.asarray, fits)
+def _to_numpy(fits: Fit) -> Fit:
+    converted: Fit = jax.tree.map(np.asarray, fits)
+    return converted

@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
 from symjax.geometry.local_frames import tangent_frames
-from symjax.scale_sweep.optima import NOWHERE, Optimum
+from symjax.scale_sweep.optima import NOT_CONVERGED, Optimum
 from symjax.viz import colours
 from symjax.viz.colours import css
 from symjax.viz.plotly_traces import coordinates
@@ -55,7 +55,7 @@ TILT = np.radians(24.0)
 
 def colour_index(rank: Int[np.ndarray, "*n"]) -> Int[np.ndarray, "*n"]:
     """Which of `COLOURS` a rank has."""
-    return np.where(rank == NOWHERE, UNCONVERGED, np.minimum(rank, OTHERS)).astype(np.uint8)
+    return np.where(rank == NOT_CONVERGED, UNCONVERGED, np.minimum(rank, OTHERS)).astype(np.uint8)
 
 
 class SphereMap:

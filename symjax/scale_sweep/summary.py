@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from symjax.l2e.fit import Fit
-from symjax.scale_sweep.optima import NOWHERE
+from symjax.scale_sweep.optima import NOT_CONVERGED
 from symjax.scale_sweep.run import ScaleSweep
 
 HEADER = f"{'sigma':>9}  {'normal':^29}  {'offset':>12}  {'loss':>12}  {'converged':>9}  {'optima':>6}  {'inliers':>7}"
@@ -46,7 +46,7 @@ def rows(sweep: ScaleSweep) -> Iterator[dict[str, Any]]:
         yield {
             "sigma": float(fraction),
             **_values(sweep.best, index),
-            "converged": float(np.mean(rank != NOWHERE)),
+            "converged": float(np.mean(rank != NOT_CONVERGED)),
             "optima": int(rank.max()) + 1,
         }
 

@@ -1,1 +1,1 @@
-"""The paper's Algorithm 1: mirror pairs by heat kernel signatures and signs of eigenfunctions, then L2E on them."""
+"""The paper's Algorithm 1: correspondences by heat kernel signatures and eigenfunction signs, then L2E."""

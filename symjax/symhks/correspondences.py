@@ -1,4 +1,4 @@
-"""Sym-HKS: putative mirror pairs of a cloud (Sec. 4 of the paper)."""
+"""Sym-HKS: correspondences of a point cloud, that is, putative mirror pairs (paper, Sec. 4)."""
 
 import warnings
 from dataclasses import dataclass
@@ -17,17 +17,17 @@ from symjax.symhks.signatures import NUM_TIMES, TimeScale, diffusion_times, heat
 from symjax.symhks.spectrum import NUM_EIGS, STAR_NEIGHBOURS, LaplacianKind, Spectrum, spectrum
 
 MIN_PAIRS = 3
-"""Fewer pairs do not fix a plane against one outlier."""
+"""With fewer pairs, one outlier pair determines the plane."""
 
 
 class Correspondences(NamedTuple):
     """Putative mirror pairs.
 
     Attributes:
-        rows: rows of the two points of every pair in the cloud.
-        spacing: median distance of the cloud's points from the nearest keypoint other than themselves: what
-            separates a point's mirror image from the best possible match.
-        notes: what was found, as sentences.
+        rows: rows in the cloud of the two points of every pair.
+        spacing: median distance from a point of the cloud to the nearest keypoint other than itself. It is the
+            typical distance from the mirror image of a keypoint to its best possible match.
+        notes: what was noticed, as sentences.
     """
 
     rows: Int[np.ndarray, "q 2"]
@@ -37,28 +37,29 @@ class Correspondences(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CorrespondenceOptions:
-    """Options of the correspondences. Where a default is not the paper's, its line says what the paper's is.
+    """Options of the correspondences. Where a default differs from the paper, the paper's value is named.
 
     Attributes:
-        num_eigs: eigenfunctions k, the constant one included.
-        laplacian: `"stars"`, the tufted Laplacian of our Delaunay stars; or `"library"`, the library's own routine.
-        star_neighbours: neighbours offered to each Delaunay star.
-        num_keypoints: keypoints, topped up by farthest-point samples; the paper takes those that it finds.
-        radius: radius r of the neighbourhood of intrinsic shape signatures, as a fraction of the diagonal.
-        num_neighbours: neighbours h that the radius may hold on the median; None does not bound them.
-        num_times: diffusion times p.
-        times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
-        whitened: compare signatures by their Mahalanobis distance; False is the paper's plain distance.
-        num_signs: low eigenfunctions in the sign vectors; 0 leaves the constraint out. The paper's s_i has one sign a
-            keypoint, which is a misprint for one an eigenfunction; the highest of them change sign between neighbours,
-            and say nothing.
-        num_pairs: pairs q; None is `pairs_per_keypoint` times the keypoints.
-        pairs_per_keypoint: q per keypoint, not printed in the paper: the better half of the keypoints, two in a pair.
-            From 15 to 40 % the share of real models that were right changed by two or three in a hundred.
-        separation: least distance of the two points of a pair, in spacings of the keypoints: points nearer than the
-            residual's scale are one patch, and agree with any plane through it. 0 is the paper's, which leaves this
-            to the signs alone.
-        symmetric: the exact symmetric matching instead of the assignment; for at most 300 keypoints.
+        num_eigs: number of eigenfunctions k, including the constant one.
+        laplacian: `"stars"`, the tufted Laplacian of our own Delaunay stars; or `"library"`, the point-cloud routine of
+            the library `robust_laplacian`.
+        star_neighbours: number of neighbours from which each Delaunay star is built.
+        num_keypoints: number of keypoints. Farthest-point samples make up the number; the paper has no such samples.
+        radius: neighbourhood radius r of the intrinsic shape signatures, as a fraction of the diagonal.
+        num_neighbours: limit h on the median number of neighbours within the radius; None sets no limit.
+        num_times: number of diffusion times p.
+        times: spacing of the diffusion times: `"logarithmic"` (Sun et al.) or `"uniform"` (the paper).
+        whitened: whether signatures are compared by their Mahalanobis distance; the paper uses the Euclidean distance.
+        num_signs: number of low eigenfunctions in the sign vectors; 0 omits the sign constraint. The paper's s_i has
+            one sign per keypoint, a misprint for one per eigenfunction. The signs of the highest eigenfunctions carry
+            no information, since they change between neighbours.
+        num_pairs: number of pairs q; None means `pairs_per_keypoint` times the number of keypoints.
+        pairs_per_keypoint: q per keypoint, not given in the paper. The default matches the better half of the
+            keypoints. Between 0.15 and 0.4, the share of real models with the right plane changed by 2 or 3 %.
+        separation: least distance between the two points of a pair, in spacings of the keypoints. Points nearer to each
+            other than the scale of the residual belong to one patch, and agree with any plane through it. The paper has
+            no such limit (0): only the signs keep neighbours apart.
+        symmetric: whether to solve the exact symmetric matching instead of the assignment; for at most 300 keypoints.
     """
 
     num_eigs: int = NUM_EIGS
@@ -77,7 +78,7 @@ class CorrespondenceOptions:
     symmetric: bool = False
 
     def __post_init__(self) -> None:
-        """Raises InvalidArgumentError for an option out of its range."""
+        """Raises InvalidArgumentError if an option is out of range."""
         least = {"num_eigs": 2, "star_neighbours": 3, "num_keypoints": 6, "num_times": 1, "num_signs": 0}
         for name, lowest in least.items():
             checks.whole(name, getattr(self, name), lowest)
@@ -101,17 +102,21 @@ def correspondences(
     options: CorrespondenceOptions | None = None,
     timer: StageTimer | None = None,
 ) -> Correspondences:
-    """Putative mirror pairs of a cloud: spectrum, keypoints, signatures, assignment.
+    """Finds putative mirror pairs of a cloud: spectrum, keypoints, signatures, assignment.
 
     Args:
-        points: distinct points in units of their diagonal.
-        normals: surface normals, of either orientation.
-        options: see `CorrespondenceOptions`.
+        points: distinct points, in units of their diagonal.
+        normals: surface normals of either orientation; estimated if None.
+        options: the options; None means the defaults.
         timer: times the stages.
 
+    Returns:
+        The pairs, in order of their cost.
+
     Raises:
-        SpectrumError: no eigenpairs.
-        MatchingError: fewer than three pairs.
+        InvalidArgumentError: there are too few points for the number of eigenfunctions.
+        SpectrumError: the eigenpairs could not be computed.
+        MatchingError: fewer than three pairs were found.
     """
     options = CorrespondenceOptions() if options is None else options
     timer = StageTimer() if timer is None else timer
@@ -125,8 +130,8 @@ def correspondences(
             laplacian=options.laplacian,
         )
     if eigen.num_components > 1:
-        notes.append(f"the cloud is in {eigen.num_components} pieces, between which no heat flows")
-        warnings.warn(f"{notes[-1]}: correspondences across them are weak", ComponentsWarning, stacklevel=3)
+        notes.append(f"the cloud has {eigen.num_components} connected components: no heat flows between them")
+        warnings.warn(f"{notes[-1]}, and correspondences across them are unreliable", ComponentsWarning, stacklevel=3)
     with timer.stage("keypoints"):
         found = keypoints(
             points,
@@ -135,7 +140,7 @@ def correspondences(
             num_neighbours=options.num_neighbours,
         )
     if found.num_salient == 0:
-        notes.append("no intrinsic shape signatures: all keypoints are farthest-point samples")
+        notes.append("no salient keypoints were found: all keypoints are farthest-point samples")
     with timer.stage("matching"):
         cost, penalty = _costs(points, eigen, found, options)
         num_pairs = options.num_pairs
@@ -144,8 +149,8 @@ def correspondences(
         pairs = assign_pairs(cost, max(num_pairs, 1), symmetric=options.symmetric, penalty=penalty)
     if len(pairs) < MIN_PAIRS:
         raise MatchingError(
-            f"{len(pairs)} mirror pairs among {len(found.rows)} keypoints are too few (at least {MIN_PAIRS}): "
-            "raise num_keypoints or num_pairs"
+            f"only {len(pairs)} mirror pairs were found among {len(found.rows)} keypoints; at least {MIN_PAIRS} are "
+            "needed: raise num_keypoints or num_pairs"
         )
     return Correspondences(found.rows[pairs], found.spacing, tuple(notes))
 
@@ -153,18 +158,18 @@ def correspondences(
 def _costs(
     points: Float[np.ndarray, "n 3"], eigen: Spectrum, found: Keypoints, options: CorrespondenceOptions
 ) -> tuple[Float[np.ndarray, "a a"], float]:
-    """The paper's a_ij, infinite for keypoints too near each other; and from where on a cost is prohibitive."""
+    """Returns the paper's a_ij, infinite for keypoints too near each other, and the penalty at which costs prohibit."""
     times = diffusion_times(eigen, num_times=options.num_times, scale=options.times)
-    everywhere = heat_kernel_signatures(eigen, times)
-    signatures = whiten(everywhere[found.rows], everywhere) if options.whitened else everywhere[found.rows]
+    of_cloud = heat_kernel_signatures(eigen, times)
+    signatures = whiten(of_cloud[found.rows], of_cloud) if options.whitened else of_cloud[found.rows]
     if options.num_signs:
-        # the constant eigenfunction's sign is everybody's
+        # the first eigenfunction is constant: its sign is the same everywhere
         signs = sign_vectors(eigen, found.rows)[:, 1 : 1 + options.num_signs]
-        # the paper's b, or more where unwhitened signatures differ by more
+        # the paper's b, or more if unwhitened signatures differ by more
         penalty = max(SIGN_PENALTY, 2 * float(np.linalg.norm(np.ptp(signatures, axis=0))))
         cost = sign_penalty_cost(signatures, signs, penalty=penalty)
     else:
         cost, penalty = cdist(signatures, signatures), np.inf
-    at = points[found.rows]
-    cost[cdist(at, at) < options.separation * found.spacing] = np.inf
+    positions = points[found.rows]
+    cost[cdist(positions, positions) < options.separation * found.spacing] = np.inf
     return cost, penalty

@@ -1,7 +1,7 @@
-"""Keypoints: intrinsic shape signatures, and farthest-point samples where those leave the cloud bare.
+"""Keypoints: intrinsic shape signatures, and farthest-point samples where there are none.
 
-Zhong, "Intrinsic Shape Signatures", ICCV Workshops 2009: a point is a keypoint where its neighbourhood's scatter
-varies in all three directions (no two eigenvalues are alike) and where the smallest eigenvalue is a local maximum.
+Zhong, "Intrinsic Shape Signatures", ICCV Workshops 2009: a point is a keypoint if the scatter matrix of its
+neighbourhood has three distinct eigenvalues and the smallest one is a local maximum.
 """
 
 from typing import NamedTuple
@@ -11,29 +11,32 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
 RADIUS = 0.1
-"""Radius of the neighbourhood in units of the cloud's diagonal (the paper's r): about 100 of 5 000 points."""
+"""Neighbourhood radius in units of the cloud's diagonal (the paper's r): it contains about 100 of 5 000 points."""
 
 NUM_NEIGHBOURS = 100
-"""Neighbours (the paper's h) that the radius may hold on the median: a slender cloud has more of them within it."""
+"""Limit on the median number of neighbours within the radius (the paper's h): a slender cloud would have more."""
 
 MAX_RATIO = 0.975
-"""Largest ratio of consecutive eigenvalues at a keypoint (Zhong's γ21 and γ32, in the usual setting)."""
+"""Largest ratio of consecutive eigenvalues at a keypoint (Zhong's γ21 and γ32, at their usual value)."""
 
 MIN_RATIO = 1e-4
-"""Smallest ratio of the least eigenvalue to the largest at a keypoint: below this, a neighbourhood counts as flat
-despite rounding."""
+"""Least ratio of the smallest eigenvalue to the largest at a keypoint: below it, the neighbourhood is flat up to
+rounding."""
 
 SUPPRESSION = 0.3
-"""Within this share of the radius only the most salient point stays."""
+"""Non-maximum suppression keeps only the most salient point within this fraction of the radius."""
 
 NUM_KEYPOINTS = 500
-"""Keypoints kept. The mirror twin of a keypoint must be near another one, so that they must cover the cloud."""
+"""Number of keypoints. They must cover the cloud, since the mirror image of a keypoint must be near another one."""
 
 
 class Keypoints(NamedTuple):
-    """Rows of the cloud: first the `num_salient` intrinsic shape signatures, then farthest-point samples.
+    """The keypoints of a cloud.
 
-    `spacing` is the median distance of the cloud's points from the nearest keypoint other than themselves.
+    Attributes:
+        rows: rows of the keypoints in the cloud: intrinsic shape signatures first, then farthest-point samples.
+        num_salient: number of intrinsic shape signatures.
+        spacing: median distance from a point of the cloud to the nearest keypoint other than itself.
     """
 
     rows: Int[np.ndarray, " a"]
@@ -48,16 +51,19 @@ def keypoints(
     radius: float = RADIUS,
     num_neighbours: int | None = NUM_NEIGHBOURS,
 ) -> Keypoints:
-    """Intrinsic shape signatures, the most salient half of the keypoints at most, topped up to cover the cloud.
+    """Selects keypoints: at most half of them intrinsic shape signatures, the rest farthest-point samples.
 
-    The paper matches intrinsic shape signatures alone. On 5 000 random surface points there are about 60 of them,
-    and the twin of one is often none: farthest-point samples fill the rest of the cloud evenly.
+    The paper matches only intrinsic shape signatures. 5 000 random surface points have about 60 of them, and the
+    mirror image of one is often not near another. Farthest-point samples cover the rest of the cloud evenly.
 
     Args:
         points: the cloud, in units of its diagonal.
-        num_keypoints: number of keypoints, capped at n.
-        radius: of the neighbourhood, in units of the diagonal.
-        num_neighbours: points that the neighbourhood may hold on the median; None does not bound them.
+        num_keypoints: number of keypoints, at most n.
+        radius: neighbourhood radius, in units of the diagonal.
+        num_neighbours: limit on the median number of neighbours within the radius; None sets no limit.
+
+    Returns:
+        The keypoints, the most salient first.
     """
     count = min(num_keypoints, len(points))
     salient = shape_signatures(points, radius=_bounded_radius(points, radius, num_neighbours))[: count // 2]
@@ -73,7 +79,7 @@ def _spacing(points: Float[np.ndarray, "n 3"], rows: Int[np.ndarray, " a"]) -> f
 
 
 def _bounded_radius(points: Float[np.ndarray, "n 3"], radius: float, num_neighbours: int | None) -> float:
-    """The radius, or a smaller one that holds about `num_neighbours` points of a dense or slender cloud."""
+    """Returns the radius, or a smaller one that contains about `num_neighbours` points in a dense or slender cloud."""
     if num_neighbours is None:
         return radius
     probes = points[:: max(1, len(points) // 500)]
@@ -88,13 +94,16 @@ def shape_signatures(
     max_ratio: float = MAX_RATIO,
     min_neighbours: int = 5,
 ) -> Int[np.ndarray, " a"]:
-    """Rows of the intrinsic shape signature keypoints, the most salient first.
+    """Finds the intrinsic shape signatures of a cloud.
 
     Args:
         points: the cloud.
-        radius: of the neighbourhood whose scatter is taken, in the units of the points.
+        radius: radius of the neighbourhood whose scatter matrix is computed, in the units of the points.
         max_ratio: largest ratio of consecutive eigenvalues.
-        min_neighbours: points with fewer neighbours are no keypoints.
+        min_neighbours: a point with fewer neighbours is not a keypoint.
+
+    Returns:
+        Rows of the keypoints, the most salient first.
     """
     pairs = cKDTree(points).query_pairs(radius, output_type="ndarray")
     row = np.concatenate([pairs[:, 0], pairs[:, 1]])
@@ -116,12 +125,15 @@ def shape_signatures(
 def farthest_points(
     points: Float[np.ndarray, "n 3"], num_keypoints: int, *, seeds: Int[np.ndarray, " s"] | None = None
 ) -> Int[np.ndarray, " a"]:
-    """Rows of `num_keypoints` points, each the farthest from those before it.
+    """Selects points by farthest-point sampling: each is the farthest from those selected before it.
 
     Args:
         points: the cloud.
-        num_keypoints: number of rows, the seeds included; at most n.
-        seeds: rows to begin with; by default the point farthest from the mean.
+        num_keypoints: number of points to select, including the seeds; at most n.
+        seeds: rows of the first points; by default the point farthest from the mean.
+
+    Returns:
+        Rows of the selected points, the seeds first.
     """
     index = [] if seeds is None else [int(i) for i in seeds]
     if not index:
@@ -139,7 +151,10 @@ def _scatter_eigenvalues(
     column: Int[np.ndarray, " e"],
     num_neighbours: Int[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n 3"]:
-    """Eigenvalues, ascending, of each point's scatter, its neighbours weighted by 1 / their own crowding."""
+    """Computes the ascending eigenvalues of each point's scatter matrix.
+
+    A neighbour is weighted by 1 / the number of its own neighbours.
+    """
     weight = 1.0 / np.maximum(num_neighbours, 1)[column]
     total = np.maximum(np.bincount(row, weight, len(points)), np.finfo(float).tiny)
     step = points[column] - points[row]
@@ -157,7 +172,7 @@ def _local_maximum(
     row: Int[np.ndarray, " e"],
     column: Int[np.ndarray, " e"],
 ) -> Bool[np.ndarray, " n"]:
-    """Whether no candidate among a point's neighbours is more salient."""
+    """Returns whether no candidate among a point's neighbours is more salient than the point."""
     best = np.zeros(len(saliency))
     np.maximum.at(best, row, np.where(candidate, saliency, 0.0)[column])
     return saliency >= best

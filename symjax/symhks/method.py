@@ -1,4 +1,4 @@
-"""Algorithm 1 of the paper as a method: correspondences by Sym-HKS, then the L2E estimator from several starts."""
+"""The paper's Algorithm 1 as a method: correspondences by Sym-HKS, then the L2E estimator from several starts."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
@@ -14,38 +14,61 @@ from symjax.preprocess.cloud import Cloud
 from symjax.symhks.correspondences import CorrespondenceOptions, correspondences
 
 INLIER_WEIGHT = float(np.exp(-0.5 * chi2.ppf(0.95, df=3)))
-"""A pair is an inlier where its residual lies within the ball that holds 95 % of a Gaussian of scale σ."""
+"""A pair is an inlier if its residual is within the ball that contains 95 % of a Gaussian of scale σ."""
 
 AS_GOOD = 0.95
-"""Share of the best score from which on another candidate is as good: the pairs' own scatter."""
+"""A candidate with more than this fraction of the best score is as good: the pairs scatter by as much."""
 
 Starts = Literal["all", "rga", "pca", "l2"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SymHKS(CorrespondenceOptions):
-    """The paper's Algorithm 1: mirror pairs by heat kernel signatures, made once, and their plane by L2E.
+    """The paper's Algorithm 1: correspondences by heat kernel signatures (Sec. 4), and their plane by L2E (Eq. 5).
 
-    The options of the correspondences are those of `CorrespondenceOptions`; these are the estimator's:
+    The correspondences are computed once and then fixed. The method is made for complete, clean surfaces; `Robust` is
+    for clouds with outliers, missing parts and noise. Some defaults differ from the paper; the reasons are in
+    `symjax.symhks.correspondences.CorrespondenceOptions`, and `as_printed` returns the paper's settings.
 
     Attributes:
-        sigma: scale σ of the residual as a fraction of the cloud's diagonal; None is `sigma_spacings` times the
-            keypoints' spacing.
-        sigma_spacings: σ (not printed in the paper) in spacings of the keypoints. The keypoint nearest to a point's
-            mirror image is one spacing off on the median, and the matched one is often a neighbour of that. From 1 to
-            2.5 spacings the answers hardly change.
-        starts: `"all"`: the robust Grassmann average of the paper first, then the principal direction, the
-            least-squares plane, the planes of the best single pairs, and even directions. Or one of the first three
-            alone: `"rga"`, `"pca"`, `"l2"`.
-        restarts: number of starts, if they are `"all"`.
-        solver: `"rbfgs"`, the paper's Riemannian BFGS; `"alternating"`, as the paper applies it; or another of
-            `fit_plane`, such as a minimiser of optimistix: the same optimum.
+        num_eigs: number of eigenfunctions k, including the constant one.
+        laplacian: `"stars"`, the tufted Laplacian of our own Delaunay stars; or `"library"`, the point-cloud routine of
+            the library `robust_laplacian`.
+        star_neighbours: number of neighbours from which each Delaunay star is built.
+        num_keypoints: number of keypoints.
+        radius: neighbourhood radius r of the intrinsic shape signatures, as a fraction of the diagonal.
+        num_neighbours: limit h on the median number of neighbours within the radius; None sets no limit.
+        num_times: number of diffusion times p.
+        times: spacing of the diffusion times, `"logarithmic"` or `"uniform"`.
+        whitened: whether signatures are compared by their Mahalanobis distance instead of the Euclidean distance.
+        num_signs: number of low eigenfunctions in the sign vectors; 0 omits the sign constraint.
+        num_pairs: number of pairs q; None means `pairs_per_keypoint` times the number of keypoints.
+        pairs_per_keypoint: q per keypoint.
+        separation: least distance between the two points of a pair, in spacings of the keypoints.
+        symmetric: whether to solve the exact symmetric matching; for at most 300 keypoints.
+        sigma: scale σ of the residual as a fraction of the cloud's diagonal; None means `sigma_spacings` times the
+            spacing of the keypoints.
+        sigma_spacings: σ in spacings of the keypoints (the paper gives no σ). The median distance from a mirror image
+            to the nearest keypoint is one spacing, and the matched keypoint is often a neighbour of the nearest one.
+            Between 1 and 2.5 spacings the results hardly change.
+        starts: `"all"`, or one start by name: `"rga"`, the robust Grassmann average of the mid-points (the paper's);
+            `"pca"`, their least principal direction; `"l2"`, the least-squares plane. `"all"` tries these three, then
+            planes of the best single pairs and evenly spread directions.
+        restarts: number of starts for `starts="all"`.
+        solver: `"rbfgs"`, Riemannian BFGS (the paper's); `"alternating"`, as the paper applies it; or another solver
+            of `fit_plane`, such as a minimiser of optimistix. All reach the same optimum.
 
     Example:
-        >>> SymHKS(restarts=8).restarts
-        8
-        >>> SymHKS.as_printed().times
+        >>> import dataclasses
+        >>> import symjax
+        >>> method = symjax.SymHKS(sigma=0.05, restarts=16)
+        >>> dataclasses.replace(method, solver="irls").solver
+        'irls'
+        >>> symjax.SymHKS.as_printed().times
         'uniform'
+        >>> symjax.SymHKS(sigma=0)
+        Traceback (most recent call last):
+        symjax.errors.InvalidArgumentError: sigma must be a finite number, above 0, not 0
     """
 
     name: ClassVar[str] = "sym-hks"
@@ -58,7 +81,7 @@ class SymHKS(CorrespondenceOptions):
     solver: AnySolver = "rbfgs"
 
     def __post_init__(self) -> None:
-        """Raises InvalidArgumentError for an option out of its range."""
+        """Raises InvalidArgumentError if an option is out of range."""
         super().__post_init__()
         if self.sigma is not None:
             checks.number("sigma", self.sigma, above=0)
@@ -69,17 +92,26 @@ class SymHKS(CorrespondenceOptions):
 
     @classmethod
     def as_printed(cls) -> "SymHKS":
-        """What the paper prints, where it prints something: it gives no number of keypoints or pairs, and no σ."""
+        """Returns the settings that the paper prints. It gives no number of keypoints or pairs, and no σ."""
         return cls(times="uniform", whitened=False, separation=0.0, restarts=1, solver="alternating")
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
-        """Finds the mirror plane of a cloud, see `Method.find`.
+        """Finds the mirror plane of a cloud; `symjax.detect` calls it.
+
+        Args:
+            cloud: distinct points in their own frame, in units of their diagonal.
+            max_planes: not used; `detect` keeps the first `max_planes` candidates.
+            rng: draws the random planes that the threshold is derived from.
+            timer: times the stages.
+
+        Returns:
+            The distinct optima as candidates, with their scores, and the pairs.
 
         Raises:
-            SpectrumError: no eigenpairs.
-            MatchingError: fewer than three pairs.
+            SpectrumError: the eigenpairs could not be computed.
+            MatchingError: fewer than three pairs were found.
         """
-        # what needs JAX is imported when a plane is fitted
+        # JAX is imported only now, when it is needed
         from symjax.symhks.plane_fit import fit_candidates
 
         matches = correspondences(cloud.points, normals=cloud.normals, options=self, timer=timer)

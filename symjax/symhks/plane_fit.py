@@ -1,4 +1,4 @@
-"""The plane of matched pairs: starts of the estimator, the distinct optima they reach, and a score to compare with."""
+"""The plane of putative pairs: starts of the estimator, the distinct optima that they reach, and their scores."""
 
 from typing import NamedTuple
 
@@ -19,25 +19,26 @@ from symjax.l2e.sweep import sweep
 from symjax.method.result import Candidate
 
 SAME_ANGLE, SAME_OFFSET = 5.0, 0.03
-"""Planes nearer than this (degrees, units of the points) are one optimum."""
+"""Planes nearer to each other than this (degrees, units of the points) are one optimum."""
 
 NAMED = ("rga", "pca", "l2")
-"""The order of the named starts."""
+"""Names of the starts of `_named_starts`, in order."""
 
 NUM_RANDOM_PLANES = 1024
 RANDOM_QUANTILE, FOUND_FACTOR = 0.95, 3.0
-"""The score to exceed is 3 times the 0.95 quantile of the scores of random planes."""
+"""The threshold is 3 times the 0.95 quantile of the scores of 1024 random planes."""
 
 
 class CandidateFits(NamedTuple):
     """The distinct planes that the estimator reached from its starts.
 
     Attributes:
-        candidates: the distinct optima, the converged first, then by loss; a score is the mean L2E weight of the pairs.
-        weight: L2E weights of the pairs at the first of them.
-        threshold: the score that the first should exceed.
-        converged: whether the solver converged to the first.
-        message: how it ended there, a sentence.
+        candidates: the distinct optima, converged ones first, then by loss. Their score is the mean L2E weight of the
+            pairs.
+        weight: L2E weights of the pairs at the first candidate.
+        threshold: score that a mirror plane exceeds.
+        converged: whether the solver converged at the first candidate.
+        message: how it ended there, as a sentence.
     """
 
     candidates: tuple[Candidate, ...]
@@ -60,14 +61,17 @@ def fit_candidates(
     """Fits the plane of putative pairs from several starts, in float64.
 
     Args:
-        x: one end of every pair, in units of the cloud's diagonal about its mean.
-        y: the other end.
+        x: first point of every pair, about the mean of the cloud, in units of its diagonal.
+        y: second point of every pair.
         sigma: scale σ of the residual, in the same units.
-        starts: `"all"`, or the name of one, see `SymHKS`.
-        restarts: number of starts: the robust Grassmann average of the paper first, then the principal direction,
-            the least-squares plane, the planes of the best single pairs, and even directions.
+        starts: `"all"` or the name of one start, see `SymHKS`.
+        restarts: number of starts for `"all"`: the robust Grassmann average of the paper, the least principal
+            direction, the least-squares plane, the planes of the best single pairs, and evenly spread directions.
         solver: see `fit_plane`.
-        rng: draws the random planes.
+        rng: draws the random planes that the threshold is derived from.
+
+    Returns:
+        The distinct optima, the L2E weights of the pairs, and the threshold.
     """
     with jax.enable_x64(True):
         pairs = pad_pairs(x, y, None)
@@ -86,16 +90,16 @@ def fit_candidates(
 
 
 def _starts(pairs: PaddedPairs, sigma: float, starts: str, restarts: int) -> Float[np.ndarray, "r 3"]:
-    """Unit normals: the three named starts, then the planes of the best single pairs, then even directions."""
+    """Returns unit normals: the three named starts, the planes of the best single pairs, evenly spread directions."""
     named = np.asarray(_named_starts(pairs))[:restarts]
     if starts != "all":
         row = NAMED.index(starts)
         return np.asarray(_named_starts(pairs))[row : row + 1]
     half = (restarts - len(named)) // 2
-    # always as many of each, since every number of directions is compiled anew
-    voted = np.concatenate([_pair_normals(pairs, sigma, half), fibonacci(max(half, 1))])[:half]
+    # their number is always the same, since the program is compiled anew for every number
+    of_pairs = np.concatenate([_pair_normals(pairs, sigma, half), fibonacci(max(half, 1))])[:half]
     even = fibonacci(max(restarts - len(named) - half, 1))
-    return np.concatenate([named, voted, even])[:restarts]
+    return np.concatenate([named, of_pairs, even])[:restarts]
 
 
 @jax.jit
@@ -107,18 +111,20 @@ def _named_starts(pairs: PaddedPairs) -> Float[Array, "3 3"]:
 
 
 def _pair_normals(pairs: PaddedPairs, sigma: float, most: int) -> Float[np.ndarray, "r 3"]:
-    """Normals of the planes that single pairs define, the best supported first, no two alike."""
+    """Returns the distinct normals of the planes that map one pair onto each other, in order of their scores."""
     x, y, real, _ = (np.asarray(leaf) for leaf in pairs)
     step = y - x
     length = np.linalg.norm(step, axis=1, keepdims=True)
     normals = step / np.where(length > 0, length, 1.0)
     planes = Plane(normals, (normals * (x + y) / 2).sum(axis=1))
     order = np.argsort(-_scores(planes, sigma, pairs), kind="stable")
-    return normals[suppress(planes, order[real[order] > 0], angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)]
+    rows = suppress(planes, order[real[order] > 0], angle=SAME_ANGLE, offset=SAME_OFFSET, most=most)
+    distinct: Float[np.ndarray, "r 3"] = normals[rows]
+    return distinct
 
 
 def _distinct(fits: Fit, pairs: PaddedPairs, sigma: float) -> tuple[tuple[Candidate, ...], Fit]:
-    """The distinct optima of a sweep over starts, the converged first, then by loss; and the best one's fit."""
+    """Returns the distinct optima of the fits, converged ones first, then by loss; and the fit of the first."""
     row = jax.tree.map(lambda leaf: leaf[0], fits)
     loss = np.asarray(row.loss)
     planes = Plane(np.asarray(row.plane.normal), np.asarray(row.plane.offset))
@@ -137,7 +143,7 @@ def _distinct(fits: Fit, pairs: PaddedPairs, sigma: float) -> tuple[tuple[Candid
 
 
 def _random_planes(x: Float[np.ndarray, "m 3"], y: Float[np.ndarray, "m 3"], rng: np.random.Generator) -> Plane:
-    """Planes of even direction through random pairs' mid-points."""
+    """Draws planes with uniformly distributed normals through the mid-points of random pairs."""
     normals = rng.normal(size=(NUM_RANDOM_PLANES, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     row = rng.integers(len(x), size=NUM_RANDOM_PLANES)
@@ -150,11 +156,15 @@ def _weights(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarra
 
 @jax.jit
 def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: PaddedPairs) -> Float[Array, "p b"]:
-    """L2E weight of every pair at every plane; zero for padding."""
-    weigh = jax.vmap(lambda v, omega: l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights)
-    return weigh(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
+    """Computes the L2E weight of every pair at every plane; zero for padding."""
+
+    def weights(v: Float[Array, " 3"], omega: Float[Array, ""]) -> Float[Array, " b"]:
+        return l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights
+
+    return jax.vmap(weights)(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
 
 def _scores(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarray, " p"]:
-    """Mean L2E weight of the real pairs at every plane."""
-    return _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())
+    """Computes the mean L2E weight of the pairs, without the padding, at every plane."""
+    mean: Float[np.ndarray, " p"] = _weights(planes, sigma, pairs).sum(axis=1) / float(pairs.weights.sum())
+    return mean

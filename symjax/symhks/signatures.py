@@ -1,4 +1,4 @@
-"""Sym-HKS: heat kernel signatures, which a mirror twin shares, and the signs that tell twins from neighbours."""
+"""Heat kernel signatures, which are equal at mirror images, and eigenfunction signs, which may differ there."""
 
 from typing import Literal, get_args
 
@@ -10,10 +10,10 @@ from symjax.geometry.checks import choice, whole
 from symjax.symhks.spectrum import ZERO_EIGENVALUE, Spectrum
 
 NUM_TIMES = 32
-"""Diffusion times p (not printed in the paper): enough to tell 20 eigenfunctions' squares apart."""
+"""Number of diffusion times p (not given in the paper): enough to distinguish the squares of 20 eigenfunctions."""
 
 NOISE_FLOOR = 1e-3
-"""Directions in which whitened signatures vary less than this share of the widest carry sampling noise."""
+"""Principal directions with a standard deviation below this fraction of the largest carry only sampling noise."""
 
 TimeScale = Literal["logarithmic", "uniform"]
 
@@ -21,15 +21,23 @@ TimeScale = Literal["logarithmic", "uniform"]
 def diffusion_times(
     spectrum: Spectrum, *, num_times: int = NUM_TIMES, scale: TimeScale = "logarithmic"
 ) -> Float[np.ndarray, " p"]:
-    """Diffusion times between the extremes of the spectrum, in squared units of the points.
+    """Returns diffusion times that span the spectrum.
 
-    `"uniform"` is the paper's choice, evenly in [10 ln10/λ_k, 10 ln10/λ_2]; `"logarithmic"` is that of Sun et al.,
-    "A Concise and Provably Informative Multi-Scale Signature Based on Heat Diffusion" (SGP 2009), evenly in the
-    logarithm over [4 ln10/λ_k, 4 ln10/λ_2]. λ_2 is the smallest eigenvalue above rounding: a cloud in two pieces
-    has a second zero, for which the printed range is infinite.
+    λ_2 is the smallest eigenvalue above rounding. A cloud of two connected components has two zero eigenvalues, with
+    which the range of the paper would be infinite.
+
+    Args:
+        spectrum: eigenvalues of the cloud.
+        num_times: number of times p.
+        scale: `"uniform"` (the paper), evenly spaced in [10 ln 10/λ_k, 10 ln 10/λ_2]; or `"logarithmic"`, evenly spaced
+            logarithms in [4 ln 10/λ_k, 4 ln 10/λ_2], by Sun et al., "A Concise and Provably Informative Multi-Scale
+            Signature Based on Heat Diffusion" (SGP 2009).
+
+    Returns:
+        The times, in squared units of the points, ascending.
 
     Raises:
-        InvalidArgumentError: an unknown scale, or a spectrum of zeros.
+        InvalidArgumentError: the scale is unknown, or no eigenvalue is positive.
     """
     num_times = whole("num_times", num_times, 1)
     choice("the time scale", scale, get_args(TimeScale))
@@ -43,31 +51,32 @@ def diffusion_times(
 
 
 def heat_kernel_signatures(spectrum: Spectrum, times: Float[np.ndarray, " p"]) -> Float[np.ndarray, "n p"]:
-    """Heat kernel signatures Σ_j exp(-t λ_j) φ_j² of all points (the paper's Eq. 9), times the area.
+    """Computes the heat kernel signatures Σ_j exp(−t λ_j) φ_j² of all points (paper, Eq. 9), times the area.
 
-    The printed signature is not scale invariant, since eigenfunctions normalised by area shrink as the cloud grows;
-    times the area it is.
+    The factor makes them scale invariant, which the paper's signatures are not: eigenfunctions normalised by area
+    decrease as the cloud grows.
     """
     decay = np.exp(-np.outer(spectrum.eigenvalues, times))
     return spectrum.area * (spectrum.eigenfunctions**2 @ decay)
 
 
 def whiten(signatures: Float[np.ndarray, "a p"], reference: Float[np.ndarray, "n p"]) -> Float[np.ndarray, "a r"]:
-    """Signatures whose Euclidean distance is the Mahalanobis distance of the reference's signatures.
+    """Whitens signatures: their Euclidean distance becomes the Mahalanobis distance of the reference signatures.
 
-    Signatures at neighbouring times are nearly the same number, and large where the surface ends in a tip: plain
-    distances compare tips at large times and nothing else.
+    Signatures at neighbouring times are almost equal, and they are large where the surface ends in a tip. Without
+    whitening, distances would depend on the tips at large times and on little else.
     """
     mean = reference.mean(axis=0)
     _, singular, axes = np.linalg.svd(reference - mean, full_matrices=False)
     spread = singular / np.sqrt(len(reference))
     kept = spread > NOISE_FLOOR * spread[0]
-    return (signatures - mean) @ axes[kept].T / spread[kept]
+    whitened: Float[np.ndarray, "a r"] = (signatures - mean) @ axes[kept].T / spread[kept]
+    return whitened
 
 
 def sign_vectors(spectrum: Spectrum, index: Int[np.ndarray, " a"]) -> Int[np.ndarray, "a k"]:
-    """Signs of the eigenfunctions at points: +1 where φ_j ≥ 0, else -1.
+    """Returns the signs of the eigenfunctions at points: +1 where φ_j ≥ 0, else −1.
 
-    Neighbours share them; a point and its twin differ where an eigenfunction is odd under the reflection.
+    They are equal at neighbours, and opposite at mirror images if the eigenfunction is odd under the reflection.
     """
     return np.where(spectrum.eigenfunctions[index] >= 0, 1, -1)

@@ -1,10 +1,10 @@
 """The Laplace-Beltrami spectrum of a point cloud, by the tufted Laplacian of its Delaunay stars.
 
-Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", SGP 2020, build a point cloud's Laplacian
-from the planar Delaunay star of every point in its tangent plane. The mesh routine of their library is
-used here on stars of our own: the library's point-cloud routine divides the neighbours' centroid by one
-too many when it estimates normals, which loses area on dense clouds and ties the result to where the cloud
-stands.
+Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", SGP 2020, build the Laplacian of a point cloud from the
+planar Delaunay star of every point in its tangent plane. This module builds the stars itself and calls the mesh
+routine of their library. The library's own point-cloud routine, when it estimates normals, divides the sum of the
+neighbours by their number plus one. That loses area on dense clouds and makes the result depend on the position of
+the cloud.
 """
 
 from typing import Literal, NamedTuple
@@ -20,22 +20,28 @@ from symjax.errors import InvalidArgumentError, SpectrumError
 from symjax.geometry.local_frames import local_frames, tangent_frames
 
 NUM_EIGS = 20
-"""Eigenfunctions k (the paper's number)."""
+"""Number of eigenfunctions k (the paper's value)."""
 
 LaplacianKind = Literal["stars", "library"]
 
 STAR_NEIGHBOURS = 30
-"""Neighbours offered to each star (Sharp and Crane's number)."""
+"""Number of neighbours from which each star is built (Sharp and Crane's value)."""
 
 GENERAL_POSITION = 1e-9
-"""Points are moved by this share of their extent, so that no two of the stars' triangles tie."""
+"""Points are moved by this fraction of their extent, so that triangles do not tie in the library's sort."""
 
 SHIFT = -1e-2
-"""Shift of the inverse iteration, for a cloud of unit area, whose first positive eigenvalues are of order ten."""
+"""Shift of the eigensolver's shift-invert mode. The first positive eigenvalues at unit area are of order 10."""
 
 
 class Spectrum(NamedTuple):
-    """Generalised eigenpairs L φ = λ M φ, eigenvalues ascending, φᵀ M φ = 1."""
+    """Generalised eigenpairs L φ = λ M φ of a cloud.
+
+    Attributes:
+        eigenvalues: ascending, in inverse squared units of the points.
+        eigenfunctions: one a column, with φᵀ M φ = 1.
+        mass: diagonal of the mass matrix M: the area that belongs to each point.
+    """
 
     eigenvalues: Float[np.ndarray, " k"]
     eigenfunctions: Float[np.ndarray, "n k"]
@@ -48,12 +54,12 @@ class Spectrum(NamedTuple):
 
     @property
     def num_components(self) -> int:
-        """Number of eigenvalues that are zero to rounding: the pieces in which no heat is exchanged."""
+        """Number of connected components: of eigenvalues that are zero up to rounding."""
         return int(np.count_nonzero(self.eigenvalues * self.area < ZERO_EIGENVALUE))
 
 
 ZERO_EIGENVALUE = 1e-6
-"""Eigenvalues below this, times the area, count as zero: one for every piece of the cloud."""
+"""An eigenvalue counts as zero if its product with the area is below this; every connected component has one."""
 
 
 def delaunay_stars(
@@ -62,11 +68,20 @@ def delaunay_stars(
     *,
     normals: Float[np.ndarray, "n 3"] | None = None,
 ) -> Int[np.ndarray, "f 3"]:
-    """All triangles (point, neighbour, neighbour) of the planar Delaunay star of every point, as one soup.
+    """Builds the planar Delaunay star of every point: its triangles (point, neighbour, neighbour).
 
-    Inverting the neighbours, projected to the tangent plane, in the unit circle about the point turns circles
-    through the point into lines: the star's triangles are the edges of the inverted points' convex hull that
-    have the point on their inner side. The hulls of all points are wrapped together, one edge a step.
+    The neighbours are projected to the tangent plane and inverted in the unit circle about the point. Inversion turns
+    circles through the point into lines. The triangles of the star are therefore the edges of the convex hull of the
+    inverted neighbours that have the point on their inner side. Gift wrapping finds the hulls of all points together,
+    one edge a step.
+
+    Args:
+        points: the cloud.
+        neighbours: rows of the neighbours of every point, without the point itself.
+        normals: surface normals of either orientation; by default estimated from the neighbours.
+
+    Returns:
+        The triangles of all stars, as rows of the points.
     """
     tangents = local_frames(points, neighbours)[1][:, :, 1:] if normals is None else tangent_frames(normals)
     offsets = points[neighbours] - points[:, None, :]
@@ -84,7 +99,7 @@ def delaunay_stars(
         along = (step * heading[:, None, :]).sum(-1)
         left = heading[:, None, 0] * step[..., 1] - heading[:, None, 1] * step[..., 0]
         turn = np.arctan2(left, along)
-        # rounding can turn a point on the last edge a hair to the right: that is no full turn
+        # rounding can move a point on the last edge slightly to the right: that is not a full turn
         turn = np.where(turn < -1e-9, turn + 2 * np.pi, turn)
         turn[np.arange(len(rows)), current] = np.inf
         turn[(step == 0).all(-1)] = np.inf
@@ -94,8 +109,9 @@ def delaunay_stars(
         inner = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] > 0
         triangles.append(np.stack([rows, neighbours[rows, current], neighbours[rows, following]], axis=1)[inner])
         heading = q - p
-        open_ = following != start
-        rows, current, start, heading = rows[open_], following[open_], start[open_], heading[open_]
+        unfinished = following != start
+        rows, start, heading = rows[unfinished], start[unfinished], heading[unfinished]
+        current = following[unfinished]
         if not len(rows):
             break
     return np.concatenate(triangles)
@@ -107,43 +123,50 @@ def star_laplacian(
     normals: Float[np.ndarray, "n 3"] | None = None,
     num_neighbours: int = STAR_NEIGHBOURS,
 ) -> tuple[csc_matrix, Float[np.ndarray, " n"]]:
-    """Tufted Laplacian L (positive semi-definite, sparse) and lumped mass of a point cloud.
+    """Computes the tufted Laplacian L (positive semi-definite, sparse) and the lumped mass of a point cloud.
 
     Args:
         points: distinct points; at least four.
-        normals: surface normals, of either orientation; by default the neighbours' least principal direction.
-        num_neighbours: neighbours offered to each star, capped at n - 1.
+        normals: surface normals of either orientation; by default the least principal direction of the neighbours.
+        num_neighbours: number of neighbours from which each star is built, at most n − 1.
 
     Returns:
-        L, dimensionless, and the mass, in squared units of the points.
+        L, dimensionless, and the mass of every point, in squared units of the points.
 
     Raises:
-        SpectrumError: the library refuses the stars.
+        SpectrumError: the library cannot build the Laplacian of the stars.
     """
     count = min(num_neighbours, len(points) - 1)
     neighbours = cKDTree(points).query(points, k=count + 1)[1]
-    # a point is its own nearest neighbour, whatever rounding says of near-duplicates
+    # remove every point from its own neighbours; near-duplicates may come before it
     itself = neighbours == np.arange(len(points))[:, None]
     itself[~itself.any(axis=1), -1] = True
     neighbours = neighbours[~itself].reshape(len(points), count)
     stars = delaunay_stars(points, neighbours, normals=normals)
-    # Stars overlap, and the library glues equal triangles by a sort that ties: out of the tie's reach, rounding in the
-    # points does not turn it.
+    # Stars overlap, and the library glues equal triangles in the order of a sort. The jitter avoids ties in that sort,
+    # which rounding in the points would break.
     jitter = np.random.default_rng(0).normal(size=points.shape) * (GENERAL_POSITION * np.ptp(points))
     try:
         matrix, mass = robust_laplacian.mesh_laplacian(np.ascontiguousarray(points + jitter, dtype=float), stars)
     except RuntimeError as error:
         raise SpectrumError(f"the Laplacian of {len(points)} points could not be built: {error}") from error
-    # every triangle of a Delaunay triangulation stands in the stars of its three corners
+    # every triangle of a Delaunay triangulation is in the stars of its three corners
     return csc_matrix(matrix) / 3.0, mass.diagonal() / 3.0
 
 
 def library_laplacian(
     points: Float[np.ndarray, "n 3"], *, num_neighbours: int = STAR_NEIGHBOURS
 ) -> tuple[csc_matrix, Float[np.ndarray, " n"]]:
-    """Sharp and Crane's Laplacian of points by their library's own routine, which estimates the normals itself.
+    """Computes Sharp and Crane's Laplacian by the point-cloud routine of their library, which estimates the normals.
 
     It loses area on dense clouds and away from the origin; `experiments.run sphere` measures how much.
+
+    Args:
+        points: distinct points.
+        num_neighbours: number of neighbours from which each star is built, at most n − 1.
+
+    Returns:
+        L, dimensionless, and the mass of every point, in squared units of the points.
     """
     matrix, mass = robust_laplacian.point_cloud_laplacian(
         np.ascontiguousarray(points, dtype=float), n_neighbors=min(num_neighbours, len(points) - 1)
@@ -159,23 +182,23 @@ def spectrum(
     num_neighbours: int = STAR_NEIGHBOURS,
     laplacian: LaplacianKind = "stars",
 ) -> Spectrum:
-    """The k lowest eigenpairs of the cloud's Laplace-Beltrami operator.
+    """Computes the k lowest eigenpairs of the Laplace-Beltrami operator of a cloud.
 
-    The problem is scaled to unit area for the solver, since a fixed shift needs a fixed scale, and scaled back.
+    The eigensolver works on the cloud scaled to unit area, since its shift is fixed; the result is scaled back.
 
     Args:
         points: distinct points, n > `num_eigs` + 1.
-        normals: see `star_laplacian`.
-        num_eigs: eigenpairs k, the constant one included.
-        num_neighbours: neighbours offered to each star.
+        normals: surface normals of either orientation, for `"stars"`; estimated if None.
+        num_eigs: number of eigenpairs k, including the constant eigenfunction.
+        num_neighbours: number of neighbours from which each star is built.
         laplacian: `"stars"`, see `star_laplacian`; or `"library"`, see `library_laplacian`.
 
     Returns:
-        Eigenvalues in inverse squared units; eigenfunctions normalised by area.
+        The eigenpairs and the mass.
 
     Raises:
-        InvalidArgumentError: `num_eigs` is not in 1 … n - 2.
-        SpectrumError: the eigensolver does not converge, also at a larger shift.
+        InvalidArgumentError: `num_eigs` is not in 1 … n − 2.
+        SpectrumError: the Laplacian could not be built, or the eigensolver does not converge, even at a larger shift.
     """
     if not 1 <= num_eigs < len(points) - 1:
         raise InvalidArgumentError(
@@ -187,8 +210,8 @@ def spectrum(
         matrix, mass = library_laplacian(points, num_neighbours=num_neighbours)
     area = float(mass.sum())
     if not np.isfinite(area) or area <= 0:
-        raise SpectrumError(f"the Delaunay stars of {len(points)} points have no area: are they on one line?")
-    # a point without triangles has no mass of its own: a trace of it keeps the mass matrix definite
+        raise SpectrumError(f"the Delaunay stars of {len(points)} points have no area: do the points lie on one line?")
+    # a point without triangles has no mass: a small one keeps the mass matrix positive definite
     unit_mass = np.maximum(mass / area, 1e-6 / len(points))
     mass_matrix = csc_matrix((unit_mass, (np.arange(len(points)), np.arange(len(points)))))
     start = np.random.default_rng(0).normal(size=len(points))
@@ -199,4 +222,4 @@ def spectrum(
             continue
         order = np.argsort(values)
         return Spectrum(np.maximum(values[order], 0.0) / area, functions[:, order] / np.sqrt(area), unit_mass * area)
-    raise SpectrumError(f"the eigensolver did not converge on {len(points)} points, {num_eigs} eigenpairs")
+    raise SpectrumError(f"the eigensolver did not converge for {num_eigs} eigenpairs of {len(points)} points")

@@ -1,5 +1,6 @@
-"""The matching of q edges of least cost in a general graph: the paper's program with P = Pᵀ, by linear and integer
-programming. Points are vertices, pairs edges, infinite costs are edges that are not there.
+"""Matching of q edges of least total cost in a general graph, by linear and integer programming.
+
+It solves the paper's program with P = Pᵀ. Points are vertices, pairs are edges, and an infinite cost is a missing edge.
 """
 
 import numpy as np
@@ -11,35 +12,36 @@ from scipy.sparse.csgraph import connected_components
 from symjax.errors import MatchingError
 
 COST_RANGE = 1000.0
-"""Costs are stretched to [0, COST_RANGE] for the solver, whose tolerances are absolute, near 1e-7."""
+"""Costs are scaled to [0, COST_RANGE] for the solver, whose tolerances are absolute, near 1e-7."""
 
 TOLERANCE = 1e-6
-"""Slack in stretched costs and in the solution of the relaxation, above the solver's tolerance."""
+"""Tolerance on scaled costs and on the solution of the relaxation, larger than the solver's."""
 
 FIRST_EDGES = 8
-"""Edges a point in the first integer program, which is mostly the only one."""
+"""Edges per point in the first integer program. In most cases it is the only one."""
 
 CUT_ROUNDS = 6
-"""Most rounds of odd-set cuts. Most relaxations are integral sooner; among many equal costs they need not become so,
+"""Limit on the rounds of odd-set cuts. Most relaxations are integral sooner. With many equal costs they may never be,
 and the integer program does the rest."""
 
 
 def least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.ndarray, "q 2"]:
-    """The q edges (i, j), i < j, of least total cost with no point in two of them.
+    """Finds q disjoint edges (i, j), i < j, of least total cost.
 
-    Linear duality bounds any matching that uses edge e from below by LB + r_e, with LB the optimum of the
-    relaxation and r_e ≥ 0 the reduced cost. So the optimum among the edges of least r_e is the optimum of all
-    once it is at most LB + r_e of every edge left out; if it is more, the edges with r_e < optimum − LB are enough.
+    Let LB be the optimum of the linear relaxation and r_e ≥ 0 the reduced cost of edge e. By linear duality, a matching
+    that uses edge e costs at least LB + r_e. The integer program is first solved on the edges of least r_e. Its optimum
+    is that of all edges if it is at most LB + r_e for every omitted edge e. Otherwise, the edges with
+    r_e < optimum − LB are sufficient.
 
     Args:
-        cost: costs of which the upper triangle is read, infinite where an edge is prohibited, without NaN.
+        cost: costs, without NaN, infinite where an edge is prohibited; only the upper triangle is read.
         num_pairs: q, at least 1.
 
     Returns:
-        The optimum to 1e-8 of the range of the finite costs.
+        The edges; their total cost is optimal up to 1e-8 of the range of the finite costs.
 
     Raises:
-        MatchingError: there are no q such edges, or the solver gave up.
+        MatchingError: there are no q disjoint edges, or the solver failed.
     """
     i, j = np.nonzero(np.triu(np.isfinite(cost), 1))
     if not len(i):
@@ -49,15 +51,15 @@ def least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.nda
         weight = weight / weight.max() * COST_RANGE
     lower, reduced, rows, limits = _relax(weight, i, j, num_pairs)
 
-    # Among equals the nearest in index first: no few points take all the places.
+    # ties go to the nearest in index, so that a few points do not take all the edges
     order = np.lexsort((j - i, np.round(reduced / TOLERANCE)))
     num_kept = min(FIRST_EDGES * len(cost), len(order))
     while True:
         kept = order[:num_kept]
         chosen = _integer_program(weight[kept], rows[:, kept], limits, num_pairs)
-        left_out = reduced[order[num_kept]] if num_kept < len(order) else np.inf
+        least_omitted = reduced[order[num_kept]] if num_kept < len(order) else np.inf
         gap = np.inf if chosen is None else weight[kept[chosen]].sum() - lower
-        if chosen is not None and gap <= left_out + TOLERANCE:
+        if chosen is not None and gap <= least_omitted + TOLERANCE:
             return np.stack([i[kept[chosen]], j[kept[chosen]]], axis=1)
         if num_kept == len(order):
             raise _no_matching(num_pairs)
@@ -70,9 +72,9 @@ def least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.nda
 def _relax(
     weight: Float[np.ndarray, " e"], i: Int[np.ndarray, " e"], j: Int[np.ndarray, " e"], num_pairs: int
 ) -> tuple[float, Float[np.ndarray, " e"], csr_array, Float[np.ndarray, " r"]]:
-    """Linear relaxation: its optimum, the edges' reduced costs, and its rows and their limits.
+    """Solves the linear relaxation; returns its optimum, the reduced costs, and its constraints (rows and limits).
 
-    The rows say that a point is in one edge at most, and those of `_odd_cuts` follow.
+    The first rows require that a point is in at most one edge; the rows of `_odd_cuts` follow.
     """
     edge = np.arange(len(weight))
     ends = np.concatenate([i, j]), np.concatenate([edge, edge])
@@ -92,19 +94,20 @@ def _relax(
 def _odd_cuts(
     x: Float[np.ndarray, " e"], i: Int[np.ndarray, " e"], j: Int[np.ndarray, " e"]
 ) -> tuple[csr_array, Float[np.ndarray, " c"]]:
-    """Rows and limits that x breaks: 2m + 1 points hold at most m edges of a matching (Edmonds, 1965).
+    """Returns the odd-set constraints that x violates, as rows and limits.
 
-    Looked for among the connected pieces of the edges in use: a fractional solution mostly has odd rings of 1/2.
+    A matching has at most m edges among 2m + 1 points (Edmonds, 1965). Only the connected components of the edges in
+    use are checked, since most fractional solutions are odd cycles of edges of 1/2.
     """
     used = np.flatnonzero(x > TOLERANCE)
     num_points = int(j.max()) + 1
     graph = csr_array((np.ones(len(used)), (i[used], j[used])), shape=(num_points, num_points))
-    _, piece = connected_components(graph, directed=False)
-    size = np.bincount(piece)
-    inside = np.bincount(piece[i[used]], weights=x[used], minlength=len(size))
-    broken = np.flatnonzero((size % 2 == 1) & (inside > size // 2 + TOLERANCE))
-    within = (piece[i] == piece[j]) & (piece[i] == broken[:, None])
-    return csr_array(within.astype(float)), (size // 2)[broken].astype(float)
+    _, component = connected_components(graph, directed=False)
+    size = np.bincount(component)
+    inside = np.bincount(component[i[used]], weights=x[used], minlength=len(size))
+    violated = np.flatnonzero((size % 2 == 1) & (inside > size // 2 + TOLERANCE))
+    within = (component[i] == component[j]) & (component[i] == violated[:, None])
+    return csr_array(within.astype(float)), (size // 2)[violated].astype(float)
 
 
 def _linear_program(
@@ -114,18 +117,18 @@ def _linear_program(
     if result.status == 2:
         raise _no_matching(num_pairs)
     if result.status != 0:
-        raise MatchingError(f"the relaxed matching was not solved: {result.message}")
+        raise MatchingError(f"the relaxation of the symmetric matching was not solved: {result.message}")
     return result
 
 
 def _integer_program(
     weight: Float[np.ndarray, " e"], rows: csr_array, limits: Float[np.ndarray, " r"], num_pairs: int
 ) -> Int[np.ndarray, " q"] | None:
-    """The q edges of least weight within the limits of the rows; None if there are none such."""
-    every = LinearConstraint(np.ones((1, len(weight))), num_pairs, num_pairs)
+    """Finds the q edges of least weight that satisfy the constraints; returns None if there are none."""
+    count = LinearConstraint(np.ones((1, len(weight))), num_pairs, num_pairs)
     result = milp(
         weight,
-        constraints=[LinearConstraint(rows, ub=limits), every],
+        constraints=[LinearConstraint(rows, ub=limits), count],
         bounds=Bounds(0.0, 1.0),
         integrality=np.ones(len(weight)),
         options={"mip_rel_gap": 0.0},
@@ -139,5 +142,5 @@ def _integer_program(
 
 def _no_matching(num_pairs: int) -> MatchingError:
     return MatchingError(
-        f"{num_pairs} pairs asked for, but the allowed costs hold fewer without a point in two: ask for fewer pairs"
+        f"{num_pairs} pairs requested, but the allowed costs permit fewer disjoint ones: request fewer pairs"
     )

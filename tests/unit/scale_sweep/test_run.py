@@ -9,7 +9,7 @@ from symjax.errors import DegenerateCloudError, NonfiniteError, TooFewPointsErro
 from symjax.geometry.directions import deviation_angle, fibonacci
 from symjax.geometry.plane import Plane
 from symjax.scale_sweep import run
-from symjax.scale_sweep.optima import NOWHERE, optima, ranks
+from symjax.scale_sweep.optima import NOT_CONVERGED, optima, ranks
 from symjax.scale_sweep.page import figure, write_html
 from symjax.scale_sweep.pairs import cloud_pairs, given_pairs
 from symjax.scale_sweep.run import Options, scale_sweep
@@ -108,14 +108,14 @@ def test_what_has_not_converged_has_no_rank(rng):
     planes, loss, which = random_ends(rng)
     loss[1] = np.nan
     rank = ranks(planes, loss, which != 0, centre=np.zeros(3), diagonal=1.0)
-    assert (rank[which == 0] == NOWHERE).all()
-    assert rank[1] == NOWHERE
+    assert (rank[which == 0] == NOT_CONVERGED).all()
+    assert rank[1] == NOT_CONVERGED
     listed = optima(planes, loss, rank)
     assert len(listed) == rank.max() + 1
     assert [optimum.loss for optimum in listed] == sorted(optimum.loss for optimum in listed)
-    assert np.isclose(sum(optimum.share for optimum in listed), np.mean(rank != NOWHERE))
-    assert (ranks(planes, loss, np.zeros(40, bool), centre=np.zeros(3), diagonal=1.0) == NOWHERE).all()
-    assert optima(planes, loss, np.full(40, NOWHERE)) == []
+    assert np.isclose(sum(optimum.share for optimum in listed), np.mean(rank != NOT_CONVERGED))
+    assert (ranks(planes, loss, np.zeros(40, bool), centre=np.zeros(3), diagonal=1.0) == NOT_CONVERGED).all()
+    assert optima(planes, loss, np.full(40, NOT_CONVERGED)) == []
 
 
 def test_the_diagonal_of_pairs_turns_and_scales_with_them(rng):

@@ -1,4 +1,4 @@
-"""Pairs of keypoints: the padded assignment and the symmetric matching against independent optima."""
+"""Pairs of keypoints: the padded assignment and the symmetric matching, compared with independent optima."""
 
 import numpy as np
 import pytest
@@ -85,8 +85,8 @@ class TestAssignment:
         mutual = {(i, j) for i, j in directed if i < j and (j, i) in directed}
         assert {tuple(pair) for pair in pairs.tolist()} == mutual
 
-    def test_rings_of_three_keep_no_pair(self):
-        """Two triangles far apart: six matches go round them, and three pairs need one that joins them."""
+    def test_cycles_of_three_contain_no_mutual_pair(self):
+        """Two triangles far apart: six matches go round them, and three pairs need one between the two."""
         cost = np.full((6, 6), 500.0)
         cost[:3, :3] = cost[3:, 3:] = 1.0
         assert assign_pairs(cost, 3).shape == (0, 2)
@@ -97,14 +97,14 @@ class TestAssignment:
 @pytest.mark.parametrize("symmetric", [False, True])
 class TestPairs:
     def test_a_planted_involution_is_recovered(self, rng, symmetric):
-        """Twins share a signature but for noise and differ in a sign; neighbours share both."""
+        """Twins have equal signatures up to noise and differ in a sign; neighbours have equal signatures and signs."""
         num_twins, q = 30, 25
         left = rng.uniform(size=(num_twins, 6))
         signs = np.where(rng.random((num_twins, 3)) < 0.5, -1, 1)
         h = np.concatenate([left, left + 1e-3 * rng.normal(size=left.shape), left + 1e-5])
         s = np.concatenate([np.c_[signs, np.ones(num_twins)], np.c_[signs, -np.ones(num_twins)]])
         s = np.concatenate([s, np.c_[signs, np.ones(num_twins)]])
-        # The last third are left's neighbours, nearer in signature than the twins; without them 25 of the 30.
+        # the last third are neighbours of the first, nearer in signature than the twins
         cost = sign_penalty_cost(h, s)
         assert (cost[:num_twins, 2 * num_twins :].diagonal() >= SIGN_PENALTY).all()
         twins = assign_pairs(cost[: 2 * num_twins, : 2 * num_twins], q, symmetric=symmetric)
@@ -130,8 +130,8 @@ class TestPairs:
         np.testing.assert_array_equal(scaled, expected)
 
     @pytest.mark.parametrize("penalty", [1000.0, 1e15, np.inf])
-    def test_prohibited_pairs_are_never_chosen_and_cost_no_digits(self, symmetric, penalty):
-        """The cheapest of all would be prohibited, and a huge penalty leaves the small costs their digits."""
+    def test_prohibited_pairs_are_never_chosen_and_cost_no_precision(self, symmetric, penalty):
+        """The cheapest pairs are prohibited, and a huge penalty does not round the small costs."""
         cost = 1e-9 * random_cost(9, 16, prohibited=0.0)
         np.fill_diagonal(cost, 0.0)
         expected = assign_pairs(cost, 4, symmetric=symmetric)
@@ -145,7 +145,7 @@ class TestPairs:
         assert not mask[pairs[:, 0], pairs[:, 1]].any()
         np.testing.assert_array_equal(pairs, assign_pairs(np.where(mask, 1000.0, cost), 4, symmetric=symmetric))
 
-    def test_the_input_is_left_as_it_was(self, symmetric):
+    def test_the_input_is_not_changed(self, symmetric):
         cost = random_cost(1, 10)
         before = cost.copy()
         assign_pairs(cost, 2, symmetric=symmetric)
@@ -157,7 +157,7 @@ class TestPairs:
         cost[1, 7] = cost[7, 1] = 0.6
         assert possible_pairs(cost) == 2
         assert len(assign_pairs(cost, 2, symmetric=symmetric)) == 2
-        with pytest.raises(MatchingError, match=r"3 pairs asked for.*at most 2"):
+        with pytest.raises(MatchingError, match=r"3 pairs requested.*at most 2"):
             assign_pairs(cost, 3, symmetric=symmetric)
 
     def test_more_pairs_than_points(self, symmetric):
@@ -165,7 +165,7 @@ class TestPairs:
             assign_pairs(np.ones((5, 5)), 3, symmetric=symmetric)
 
     @pytest.mark.parametrize("num_pairs", [0, -1, 2.0, True, None])
-    def test_refuses_a_number_of_pairs_that_is_none(self, symmetric, num_pairs):
+    def test_refuses_an_invalid_number_of_pairs(self, symmetric, num_pairs):
         with pytest.raises(InvalidArgumentError, match="num_pairs"):
             assign_pairs(np.ones((6, 6)), num_pairs, symmetric=symmetric)
 

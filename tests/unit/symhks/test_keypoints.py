@@ -1,4 +1,4 @@
-"""Keypoints sit where the surface turns in three directions, cover the cloud, and move with it."""
+"""Keypoints are at the corners and edges of a box, cover the cloud, and are equivariant."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -15,7 +15,7 @@ def box(rng, num_points=4_000):
     return points * sides / (2 * np.linalg.norm(sides))
 
 
-def test_signatures_sit_on_the_edges_of_a_box_and_at_all_its_corners(rng):
+def test_shape_signatures_are_on_the_edges_of_a_box_and_at_all_its_corners(rng):
     points = box(rng)
     sides = np.abs(points).max(axis=0)
     corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * sides
@@ -44,7 +44,7 @@ def test_keypoints_cover_the_cloud_better_than_random_ones(rng):
     assert distance.max() < 0.7 * random.max()
 
 
-def test_farthest_points_are_each_the_farthest_left(rng):
+def test_each_farthest_point_is_the_farthest_from_those_before(rng):
     points = rng.normal(size=(300, 3))
     index = farthest_points(points, 20)
     for taken in range(1, 20):
@@ -52,7 +52,7 @@ def test_farthest_points_are_each_the_farthest_left(rng):
         assert distance[index[taken]] == distance.max()
 
 
-def test_few_points_are_all_keypoints_and_still_some_way_apart(rng):
+def test_all_of_a_few_points_are_keypoints_and_their_spacing_is_not_zero(rng):
     points = rng.normal(size=(60, 3))
     found = keypoints(points, num_keypoints=500)
     assert len(found.rows) == 60

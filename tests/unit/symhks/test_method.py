@@ -1,4 +1,4 @@
-"""The paper's road (method "sym-hks"): planted planes, equivariance, and input that has no plane."""
+"""Method "sym-hks": planted planes, equivariance, options, and input that has no plane."""
 
 import dataclasses
 
@@ -28,13 +28,13 @@ OF_DETECT = ("normals", "rng", "nonfinite", "max_points")
 
 
 def detect(points, **options):
-    """By SymHKS with those options that are not detect's own."""
+    """Detects by SymHKS; options that `detect` does not have go to the method."""
     own = {name: options.pop(name) for name in OF_DETECT if name in options}
     return symjax.detect(points, SymHKS(**options), **own)
 
 
 def creature(rng, num_points=3_000):
-    """A body with a head and two ears, symmetric about x = 0 and about nothing else; no point has its exact twin."""
+    """A body with a head and two ears, whose only mirror plane is x = 0; no point has an exact mirror image."""
     parts = [((0, 0, 0), (0.5, 1.2, 0.6), 0.55), ((0, 1.3, 0.5), (0.4, 0.5, 0.4), 0.25)]
     parts += [((side * 0.45, 1.4, 0.95), (0.15, 0.2, 0.45), 0.1) for side in (-1, 1)]
     points = []
@@ -114,7 +114,7 @@ def test_the_plane_moves_with_the_cloud(cloud, detection, change, rng):
     moved = detect((scale * cloud @ turn.T + shift)[order])
     normal = turn @ detection.plane.normal
     assert moved.plane.angle(Plane(normal, 0.0)) < 0.1
-    # a point of the plane, moved along: the offset itself is ill-conditioned far from the origin
+    # a point of the plane, moved with the cloud: far from the origin the offset itself is ill-conditioned
     foot = scale * detection.plane.offset * normal + shift
     assert abs(moved.plane.signed_distance(foot[None])[0]) < 1e-3 * moved.diagonal
 
@@ -146,7 +146,7 @@ def test_the_sign_constraint_can_be_left_out(cloud):
     assert apart.min() > 0
 
 
-def test_normals_serve_as_well_as_estimated_ones(cloud, detection):
+def test_given_normals_work_as_well_as_estimated_ones(cloud, detection):
     with pytest.raises(InvalidPointsError, match="3 normals"):
         detect(cloud, normals=np.concatenate([np.zeros((3, 3)), np.ones((len(cloud) - 3, 3))]))
     with pytest.raises(InvalidPointsError, match="shape"):
@@ -196,12 +196,12 @@ def test_bad_options_are_refused(cloud, change, error, words):
         {"whitened": "no"},
     ],
 )
-def test_options_of_another_type_are_refused_when_they_are_given(change):
+def test_options_of_another_type_are_refused_by_the_constructor(change):
     with pytest.raises(InvalidArgumentError, match=next(iter(change))):
         SymHKS(**change)
 
 
-def test_the_symmetric_program_is_refused_for_too_many_keypoints_when_it_is_given():
+def test_too_many_keypoints_for_the_symmetric_program_are_refused_by_the_constructor():
     assert SymHKS(symmetric=True, num_keypoints=300).symmetric
     with pytest.raises(InvalidArgumentError, match="at most 300 points; got 500: use fewer keypoints"):
         SymHKS(symmetric=True)
@@ -245,10 +245,10 @@ def test_a_coplanar_cloud_gets_a_plane_across_it(rng):
     assert any("coplanar" in note for note in detection.notes)
 
 
-def test_a_cloud_in_pieces_is_said_to_be(cloud):
-    with pytest.warns(ComponentsWarning, match="2 pieces"):
+def test_a_cloud_of_two_components_has_a_note_and_a_warning(cloud):
+    with pytest.warns(ComponentsWarning, match="2 connected components"):
         detection = detect(np.concatenate([cloud, cloud[::3] + [0.0, 20.0, 0.0]]))
-    assert any("2 pieces" in note for note in detection.notes)
+    assert any("2 connected components" in note for note in detection.notes)
 
 
 def test_an_asymmetric_cloud_has_no_plane():
@@ -256,7 +256,7 @@ def test_an_asymmetric_cloud_has_no_plane():
     assert not detect(tree.points).found
 
 
-def test_a_large_cloud_is_thinned_and_said_to_be(rng):
+def test_a_large_cloud_is_thinned_and_has_a_note(rng):
     detection = detect(creature(rng, 40_000))
     assert detection.num_points > 39_000
     assert detection.num_used <= 10_000
@@ -270,13 +270,13 @@ def test_a_small_cloud_gets_a_plane(rng):
     assert 0 < detection.sigma < 0.2
 
 
-def test_a_point_far_away_is_no_disaster(cloud):
+def test_a_point_far_away_does_no_harm(cloud):
     with pytest.warns(ComponentsWarning):
         detection = detect(np.concatenate([cloud, [[1e6, 0.0, 0.0]]]))
     assert len(detection.pairs.rows) >= 3
 
 
-def test_the_global_flags_stay_as_they_were(cloud):
+def test_the_flags_of_jax_are_not_changed(cloud):
     import jax
 
     jax.config.update("jax_enable_x64", False)

@@ -1,4 +1,4 @@
-"""Heat kernel signatures: scale invariance, symmetry, the range of times, and what whitening does."""
+"""Heat kernel signatures: scale invariance, symmetry, the range of times, and whitening."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_signatures_are_scale_invariant(rng):
     )
 
 
-def test_exact_twins_share_their_signature_and_differ_in_sign(rng):
+def test_exact_mirror_images_have_equal_signatures_and_different_signs(rng):
     half = ellipsoid(rng)
     half = half[np.abs(half[:, 0]) > 0.02]
     points = np.concatenate([half, half * [-1.0, 1.0, 1.0]])
@@ -41,7 +41,7 @@ def test_signatures_are_the_diagonal_of_the_heat_kernel():
 
 
 @pytest.mark.parametrize("scale", ["logarithmic", "uniform"])
-def test_times_stay_finite_for_a_cloud_in_two_pieces(rng, scale):
+def test_times_are_finite_for_a_cloud_of_two_components(rng, scale):
     piece = ellipsoid(rng, 700)
     one, two = spectrum(piece), spectrum(np.concatenate([piece, piece + [9.0, 0.0, 0.0]]))
     longest = diffusion_times(one, scale=scale)[-1]

@@ -1,4 +1,4 @@
-"""The Laplacian's analytic truths on the sphere and the plane, and its invariances."""
+"""The Laplacian: known values on the sphere and the plane, and invariances."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_the_first_eigenfunctions_of_the_sphere_are_its_coordinates(rng):
 
 
 @pytest.mark.parametrize("change", ["rotation", "reflection", "permutation", "shift", "scale"])
-def test_the_spectrum_stays_with_the_surface(rng, change):
+def test_the_spectrum_depends_only_on_the_surface(rng, change):
     points = sphere(rng, 2_000) * [1.0, 1.5, 2.0]
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
@@ -74,13 +74,13 @@ def test_stars_are_those_of_the_delaunay_triangulation(rng):
     assert ours == theirs
 
 
-def test_given_normals_of_any_length_and_sign_serve_as_well_as_estimated_ones(rng):
+def test_given_normals_may_have_any_length_and_sign(rng):
     points = sphere(rng, 3_000)
     eigen = spectrum(points, normals=-3.0 * points, num_eigs=5)
     np.testing.assert_allclose(eigen.eigenvalues[1:4], 2.0, rtol=0.08)
 
 
-def test_every_piece_has_its_own_zero(rng):
+def test_every_connected_component_has_a_zero_eigenvalue(rng):
     piece = sphere(rng, 800)
     eigen = spectrum(np.concatenate([piece, piece + [5.0, 0.0, 0.0]]), num_eigs=6)
     assert eigen.num_components == 2

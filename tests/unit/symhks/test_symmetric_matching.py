@@ -1,4 +1,4 @@
-"""The symmetric matching against every matching, the paper's program, and a program on every edge."""
+"""The symmetric matching, compared with all matchings, the paper's program, and a program on all edges."""
 
 import numpy as np
 import pytest
@@ -39,8 +39,9 @@ class TestSymmetric:
 
     @pytest.mark.parametrize("seed", range(3))
     def test_many_points_against_a_program_on_every_edge(self, seed):
-        """Enough points that edges are left out of the first program, and odd rings make the relaxation
-        fractional; the oracle has every edge and no cut.
+        """There are so many points that the first program omits edges, and odd cycles make the relaxation fractional.
+
+        The oracle has all edges and no cuts.
         """
         points = np.random.default_rng(seed).normal(size=(41, 3))
         cost, q = cdist(points, points), 20
@@ -54,7 +55,7 @@ class TestSymmetric:
         pairs = assign_pairs(cost, q, symmetric=True)
         assert total(cost, pairs) == pytest.approx(oracle.fun, abs=1e-6)
         directed = least_assignment(np.where(np.eye(41) > 0, np.inf, cost), 2 * q)
-        assert total(cost, directed) < 2 * oracle.fun - 1e-3, "the relaxation is not fractional: no test of cuts"
+        assert total(cost, directed) < 2 * oracle.fun - 1e-3, "the relaxation is integral: the cuts are not tested"
 
     def test_costs_at_least_half_the_directed_optimum(self):
         cost = random_cost(3, 40)
@@ -64,25 +65,25 @@ class TestSymmetric:
         assert total(cost, pairs) >= total(cost, directed) / 2 - 1e-8
 
     def test_clusters_of_three_with_equal_costs(self):
-        """Every relaxation of it is fractional: ten triangles at no cost, one free pair each."""
+        """Ten triangles with costs of zero: one pair each is free, and every relaxation is fractional."""
         points = np.repeat(np.random.default_rng(0).normal(size=(10, 3)), 3, axis=0)
         cost = cdist(points, points)
         assert total(cost, assign_pairs(cost, 10, symmetric=True)) == pytest.approx(0, abs=1e-7)
-        dear = assign_pairs(cost, 11, symmetric=True)
-        assert total(cost, dear) == pytest.approx(cost[cost > 0].min(), abs=1e-7)
+        costly = assign_pairs(cost, 11, symmetric=True)
+        assert total(cost, costly) == pytest.approx(cost[cost > 0].min(), abs=1e-7)
 
     def test_equal_costs_everywhere(self):
         pairs = assign_pairs(np.zeros((30, 30)), 15, symmetric=True)
         assert_pairs(pairs, np.zeros((30, 30)), 30)
         assert len(pairs) == 15
 
-    def test_an_odd_ring_of_allowed_pairs_holds_fewer_than_its_relaxation(self):
-        """A triangle and a triangle: three pairs for the relaxation, two in truth."""
+    def test_an_odd_cycle_of_allowed_pairs_contains_fewer_than_its_relaxation(self):
+        """Two triangles: the relaxation has three pairs, a matching two."""
         cost = np.full((6, 6), np.inf)
         cost[:3, :3] = cost[3:, 3:] = 1.0
         assert possible_pairs(cost) == 3
         assert len(assign_pairs(cost, 2, symmetric=True)) == 2
-        with pytest.raises(MatchingError, match="ask for fewer"):
+        with pytest.raises(MatchingError, match="request fewer"):
             assign_pairs(cost, 3, symmetric=True)
 
     def test_refuses_a_set_too_large(self):
