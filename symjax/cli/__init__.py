@@ -1,1 +1,1 @@
-"""The command line. It imports nothing slow until a file has been read: help and file errors answer at once."""
+"""The command line. Slow imports come after the file has been read, so that help and file errors appear at once."""

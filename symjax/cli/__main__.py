@@ -1,4 +1,4 @@
-"""`python -m symjax.cli`."""
+"""Runs the command line by `python -m symjax.cli`."""
 
 from symjax.cli.main import main
 

@@ -1,4 +1,4 @@
-"""`symjax demo`."""
+"""The command `symjax demo`."""
 
 from pathlib import Path
 from time import perf_counter
@@ -17,15 +17,25 @@ if TYPE_CHECKING:
     from symjax.detection.result import Detection
 
 
-@click.command("demo", context_settings={"show_default": True})
+@click.command(
+    "demo",
+    context_settings={"show_default": True},
+    short_help="Find the mirror plane of a generated scan.",
+)
 @options.seed(1, "Seed of the object and its scan.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", default=Path(), help="Folder to write into.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    default=Path(),
+    help="Output folder.",
+)
 @options.force
 @options.computing
 def command(seed: int, out: Path, force: bool, cache: bool, quiet: bool, debug: bool) -> None:
-    """Make a partial, noisy scan of an object and find its mirror plane.
+    """Make a partial, noisy scan of a generated object and find its mirror plane.
 
-    Writes demo.html and demo.png.
+    Writes demo.html, an interactive page, and demo.png.
     """
     start = perf_counter()
     page, picture = out / "demo.html", out / "demo.png"
@@ -50,15 +60,15 @@ def command(seed: int, out: Path, force: bool, cache: bool, quiet: bool, debug: 
     click.echo(f"{demo_scan.DESCRIPTION}; seed {seed}.")
     for line in summary.lines(detection):
         click.echo(line)
-    click.echo(_error(detection, scan))
+    click.echo(_error_line(detection, scan))
     seconds = perf_counter() - start
-    click.echo(f"Written in {seconds:.1f} s in all: {page} (interactive, open it in a browser), {picture}")
+    click.echo(f"Wrote {page} (interactive: open it in a browser) and {picture}. Total time: {seconds:.1f} s.")
 
 
-def _error(detection: "Detection", scan: "DemoScan") -> str:
-    """How far the plane is from the true one."""
+def _error_line(detection: "Detection", scan: "DemoScan") -> str:
+    """Returns the line on the errors of the detected plane."""
     from symjax.geometry.distance import deviation_angle, offset_error
 
     angle = float(deviation_angle(detection.plane.normal, scan.truth.normal))
     offset = float(offset_error(detection.plane, scan.truth, scan.points.mean(axis=0), detection.diagonal))
-    return f"{'error':<10}{angle:.2f} degrees and {offset:.2%} of the diagonal from the true plane"
+    return f"{'error':<10}normal {angle:.2f} degrees, offset {offset:.2%} of the diagonal   (from the true plane)"

@@ -1,4 +1,4 @@
-"""`symjax detect`."""
+"""The command `symjax detect`."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +9,7 @@ import click
 
 from symjax.cli import options
 from symjax.cli.errors import one_line_errors
-from symjax.cli.outputs import Reading, check_outputs, echo_answer
+from symjax.cli.outputs import Reading, check_outputs, echo_result
 from symjax.cli.progress import progress
 from symjax.cli.start import start_jax
 from symjax.detection import summary
@@ -19,37 +19,42 @@ if TYPE_CHECKING:
     from symjax.method.protocol import Method
 
 OWNERS = {"init": "robust", "sigma": "sym-hks", "restarts": "sym-hks"}
-"""The method that each option belongs to, of those that belong to one."""
+"""The method that an option belongs to, for options of one method only."""
 
 
 @click.command("detect", context_settings={"show_default": True})
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--method", type=click.Choice(["robust", "sym-hks"]), default="robust", help="How the plane is found.")
-@click.option("--remove-ground", is_flag=True, help="Leave out the plane that the scan stands on.")
+@click.option(
+    "--method",
+    type=click.Choice(["robust", "sym-hks"]),
+    default="robust",
+    help="Method: robust copes with outliers, missing parts and noise; sym-hks is the paper's Algorithm 1.",
+)
+@click.option("--remove-ground", is_flag=True, help="Remove the ground plane that the scanned object stands on.")
 @click.option(
     "--init",
     type=float,
     nargs=4,
     metavar="NX NY NZ D",
-    help="A plane NX x + NY y + NZ z = D to begin with (robust).",
+    help="Guess of the plane, NX x + NY y + NZ z = D, tried beside all other hypotheses (robust only).",
 )
-@click.option("--max-planes", type=int, metavar="N", help="Most candidates.  [default: 9]")
-@click.option("--keep-outliers", is_flag=True, help="Do not look for scattered outliers.  [default: sym-hks]")
-@click.option("--drop-outliers", is_flag=True, help="Leave out scattered outliers.  [default: robust]")
-@options.seed(0, "Seed of everything random.")
+@click.option("--max-planes", type=int, metavar="N", help="Limit on the mirror planes and candidates.  [default: 9]")
+@click.option("--keep-outliers", is_flag=True, help="Keep scattered outliers.  [default for sym-hks]")
+@click.option("--drop-outliers", is_flag=True, help="Remove scattered outliers.  [default for robust]")
+@options.seed(0, "Seed of all random numbers.")
 @click.option(
     "--sigma",
     type=float,
     metavar="FRACTION",
-    help="Scale of the residual, a fraction of the diagonal (sym-hks).  [default: 1.4 keypoint spacings]",
+    help="Scale of the residual as a fraction of the diagonal (sym-hks only).  [default: 1.4 keypoint spacings]",
 )
-@click.option("--restarts", type=int, metavar="N", help="Starts of the estimator (sym-hks).  [default: 64]")
+@click.option("--restarts", type=int, metavar="N", help="Starts of the estimator (sym-hks only).  [default: 64]")
 @options.reading
 @options.as_json
-@options.output("--html", "OUT.html", "Write an interactive page.")
-@options.output("--png", "OUT.png", "Write a picture.")
-@options.output("--mirror", "OUT.ply", "Write the completed object.")
-@options.output("--save", "OUT.json", "Write the detection.")
+@options.output("--html", "OUT.html", "Write an interactive HTML page.")
+@options.output("--png", "OUT.png", "Write an image.")
+@options.output("--mirror", "OUT.ply", "Write the points together with their mirror images.")
+@options.output("--save", "OUT.json", "Write the detection as JSON, for symjax.load.")
 @options.force
 @options.computing
 def command(
@@ -69,15 +74,15 @@ def command(
     debug: bool,
     **chosen: Any,
 ) -> None:
-    """Find the mirror plane of the points or the mesh in FILE.
+    """Find the mirror plane of the point cloud or mesh in FILE.
 
-    Reads PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled by area.
+    Reads PLY, OBJ, OFF, STL, GLB, XYZ, TXT, CSV, NPY and PCD. A mesh is sampled uniformly by area.
     """
     outputs = {name: chosen.pop(name) for name in ("html", "png", "mirror", "save")}
     given = {name: value for name, value in chosen.items() if value is not None}
     _check_options(method, given)
     if keep_outliers and drop_outliers:
-        raise click.UsageError("--keep-outliers and --drop-outliers exclude each other: give one of them")
+        raise click.UsageError("--keep-outliers and --drop-outliers contradict each other: use only one of them")
     with one_line_errors(debug), progress(quiet) as (announce, _):
         check_outputs(outputs, force, file, endings={"mirror": (".ply",)})
         announce("reading")
@@ -101,18 +106,18 @@ def command(
             progress=announce,
         )
         _write(detection, outputs, announce)
-    echo_answer(reading, detection.to_dict() if as_json else None, summary.lines(detection), outputs)
+    echo_result(reading, detection.to_dict() if as_json else None, summary.lines(detection), outputs)
 
 
 def _check_options(method: str, given: dict[str, Any]) -> None:
-    """Refuses an option of another method."""
+    """Raises UsageError if an option belongs to another method."""
     for name in given:
         if (owner := OWNERS[name]) != method:
             raise click.UsageError(f"--{name} is an option of method {owner}, not of {method}: use --method {owner}")
 
 
 def _method(name: str, given: dict[str, Any]) -> "Method":
-    """The method with its options."""
+    """Returns the method with its options."""
     if name == "sym-hks":
         from symjax.symhks.method import SymHKS
 
@@ -129,7 +134,7 @@ def _method(name: str, given: dict[str, Any]) -> "Method":
 
 
 def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:
-    """Every output that was asked for; existing files were dealt with by `check_outputs`."""
+    """Writes every requested output. `check_outputs` has already checked the paths."""
     from symjax.io.points import write_points
     from symjax.viz.html import write_html
 

@@ -1,4 +1,4 @@
-"""Errors and warnings on one line each."""
+"""Errors and warnings, each printed as one line."""
 
 import warnings
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from symjax.errors import SymjaxError, SymjaxWarning
 
 @contextmanager
 def one_line_errors(debug: bool) -> Iterator[None]:
-    """Our errors become one line (a traceback with `debug`), our warnings one line each."""
+    """Prints symjax's warnings as one line each, and turns its errors into one line, or a traceback with `debug`."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SymjaxWarning)
         try:
@@ -21,6 +21,6 @@ def one_line_errors(debug: bool) -> Iterator[None]:
                 raise
             raise click.ClickException(str(error)) from error
         finally:
-            # not while the work goes on: the line of progress would run into them
+            # only at the end, since warnings would break the progress line
             for warning in caught:
                 click.echo(f"symjax: warning: {' '.join(str(warning.message).split())}", err=True)

@@ -1,4 +1,4 @@
-"""The command `symjax`: its subcommands, and how they fail."""
+"""The command `symjax`: its subcommands and their errors."""
 
 import sys
 from collections.abc import Sequence
@@ -9,11 +9,15 @@ from symjax import __version__
 from symjax.cli import demo, detect, sweep
 
 BAD_INPUT = 2
-"""Exit status for bad files, points and options alike."""
+"""Exit status for invalid files, points and options."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """The command `symjax`: errors are one line on stderr and exit status 2."""
+    """Runs the command `symjax`. An error is printed as one line on stderr and gives exit status 2.
+
+    Args:
+        arguments: command-line arguments; None means those of the process.
+    """
     try:
         sys.exit(commands.main(arguments, prog_name="symjax", standalone_mode=False))
     except click.exceptions.NoArgsIsHelpError as error:

@@ -1,4 +1,4 @@
-"""What a command writes: its files, checked before the work, and its answer on the terminal."""
+"""Outputs of a command: checks of its output paths, and its result on the terminal."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -13,56 +13,62 @@ from symjax.errors import InvalidArgumentError
 def check_outputs(
     outputs: Mapping[str, Path | None], force: bool, *inputs: Path, endings: Mapping[str, tuple[str, ...]] | None = None
 ) -> None:
-    """Refuse before the work, not after it.
+    """Checks the output paths before anything is computed.
 
     Args:
-        outputs: the path that each option names.
-        force: files that exist may be replaced.
+        outputs: the path of each option, or None.
+        force: whether existing files may be overwritten.
         *inputs: files that are read.
-        endings: those that the path of an option may have, where its format depends on it.
+        endings: the file name extensions that an option accepts, if it accepts only some.
 
     Raises:
-        InvalidArgumentError: a path that cannot be written to, or must not be.
+        InvalidArgumentError: a file cannot be written there, or must not be.
     """
     seen = {path.resolve() for path in inputs}
     for option, path in outputs.items():
         if path is None:
             continue
-        known = (endings or {}).get(option, ())
+        accepted = (endings or {}).get(option, ())
         why = ""
         if path.resolve() in seen:
-            why = "it is the input or another output"
+            why = "it is also the input or another output"
         elif path.is_dir():
             why = "it is a folder"
         elif path.exists() and not force:
-            why = "it exists; use --force to replace it"
+            why = "the file exists; use --force to overwrite it"
         elif not path.parent.is_dir():
-            why = f"there is no folder {str(path.parent)!r}"
-        elif known and path.suffix.lower() not in known:
-            why = f"the format follows from the ending; end the name in {' or '.join(known)}"
+            why = f"the folder {str(path.parent)!r} does not exist"
+        elif accepted and path.suffix.lower() not in accepted:
+            why = f"the file name must end in {' or '.join(accepted)}"
         if why:
             raise InvalidArgumentError(f"cannot write {str(path)!r} (--{option}): {why}")
         seen.add(path.resolve())
 
 
 class Reading(NamedTuple):
-    """How a file was read, and how long it took."""
+    """How the input file was read.
+
+    Attributes:
+        file: the file.
+        note: what it contains, as a sentence.
+        seconds: time that reading took.
+    """
 
     file: Path
     note: str
     seconds: float
 
 
-def echo_answer(
+def echo_result(
     reading: Reading, values: Mapping[str, Any] | None, lines: Iterable[str], outputs: Mapping[str, Path | None]
 ) -> None:
-    """Prints the answer on stdout.
+    """Prints the result on stdout.
 
     Args:
-        reading: of the file that the answer is about.
-        values: the answer as JSON; None prints the lines and the files that were written instead.
-        lines: the answer for a person.
-        outputs: the files, None where an option was not given.
+        reading: how the input file was read.
+        values: the result as JSON values; None prints the lines and the output files instead.
+        lines: the result as text.
+        outputs: the output path of each option, or None.
     """
     if values is not None:
         head = {"file": str(reading.file), "reading": {"note": reading.note, "seconds": reading.seconds}}

@@ -1,4 +1,4 @@
-"""Progress on stderr."""
+"""Progress of a command, on stderr."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -9,18 +9,18 @@ from typing import Any, NamedTuple
 import click
 
 CHECKING = ("reading", "starting JAX", "preparing")
-"""Stages in which input is refused: a plain log begins after them, so that an error stays one line."""
+"""Stages that check the input. A plain log omits them, so that an error about the input is the only line."""
 
 _STAGE = "symjax: {desc} [{elapsed}]"
 _COUNT = "symjax: {desc} {n_fmt}/{total_fmt} |{bar}| [{elapsed}, {remaining} left]"
 
 
 class Progress(NamedTuple):
-    """Where a command reports its progress.
+    """Functions by which a command reports its progress.
 
     Attributes:
-        stage: called with the name of a stage as it begins.
-        advance: called with how many of how many steps of the stage are done, 0 of them first.
+        stage: takes the name of a stage as it begins.
+        advance: takes the number of steps done in the stage, first 0, and the number of all its steps.
     """
 
     stage: Callable[[str], None]
@@ -29,7 +29,11 @@ class Progress(NamedTuple):
 
 @contextmanager
 def progress(quiet: bool) -> Iterator[Progress]:
-    """The stage at work and the time so far or left; where stderr is no terminal, a plain line for each."""
+    """Shows the current stage and the time elapsed or left on a terminal, and otherwise prints a line per stage.
+
+    Args:
+        quiet: show nothing.
+    """
     if quiet:
         yield Progress(lambda stage: None, lambda done, total: None)
     elif sys.stderr.isatty():
@@ -61,7 +65,7 @@ def _bar() -> Iterator[Progress]:
 
     from tqdm import tqdm
 
-    # tqdm itself shows nothing where a terminal does not tell its size
+    # tqdm alone would show nothing on a terminal of unknown size
     columns, rows = shutil.get_terminal_size()
     layout: dict[str, Any] = {"bar_format": _STAGE, "ncols": columns, "nrows": rows}
     with tqdm(total=0, leave=False, file=sys.stderr, **layout) as bar:

@@ -1,18 +1,18 @@
-"""How the command line starts JAX."""
+"""Starting JAX from the command line."""
 
 import os
 from typing import Any
 
 
 def start_jax(*, cache: bool, all_cores: bool = False) -> None:
-    """Imports JAX, and settles what has to be settled before it computes.
+    """Imports JAX and configures it.
 
     Args:
-        cache: keep compiled programs in the user's cache folder.
-        all_cores: show JAX every core as a device, for batches that are dealt out to all devices.
+        cache: whether to keep compiled programs in the user's cache folder.
+        all_cores: whether every CPU core becomes a device of JAX, for batches that are split among the devices.
 
     Raises:
-        InvalidArgumentError: the cache folder cannot be made.
+        InvalidArgumentError: the cache folder cannot be created.
     """
     from symjax.errors import InvalidArgumentError
     from symjax.l2e.jax_config import enable_compilation_cache
@@ -23,19 +23,19 @@ def start_jax(*, cache: bool, all_cores: bool = False) -> None:
         try:
             enable_compilation_cache()
         except OSError as error:
-            raise InvalidArgumentError(f"cannot keep compiled programs (--cache): {error}") from error
+            raise InvalidArgumentError(f"cannot cache compiled programs (--cache): {error}") from error
 
 
 def _use_all_cores() -> None:
     import jax
 
     config: Any = jax.config
-    # -1 is JAX's own default; before there was an option, the flag was the way to set it
+    # -1 is JAX's default; older programs set the number by the flag
     if config.jax_num_cpu_devices != -1 or "host_platform_device_count" in os.environ.get("XLA_FLAGS", ""):
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:
         config.update("jax_num_cpu_devices", cores)
     except RuntimeError:
-        # JAX computes already: the command was called from within a program, whose devices these are
+        # JAX is already running in the program that called this command: its devices are kept
         return

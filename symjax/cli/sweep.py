@@ -1,4 +1,4 @@
-"""`symjax sweep`."""
+"""The command `symjax sweep`."""
 
 from pathlib import Path
 from time import perf_counter
@@ -8,7 +8,7 @@ import click
 
 from symjax.cli import options
 from symjax.cli.errors import one_line_errors
-from symjax.cli.outputs import Reading, check_outputs, echo_answer
+from symjax.cli.outputs import Reading, check_outputs, echo_result
 from symjax.cli.progress import progress
 from symjax.cli.sigmas import Sigmas
 from symjax.cli.start import start_jax
@@ -20,10 +20,17 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 
-@click.command("sweep", context_settings={"show_default": True})
+@click.command(
+    "sweep",
+    context_settings={"show_default": True},
+    short_help="Fit the plane at many scales and from many starts.",
+)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
-    "--pairs", "is_pairs", is_flag=True, help="FILE holds pairs, six columns: x y z and those of the partner."
+    "--pairs",
+    "is_pairs",
+    is_flag=True,
+    help="FILE contains pairs in six columns: x y z of a point, then x y z of its putative mirror image.",
 )
 @click.option(
     "--sigma",
@@ -31,19 +38,26 @@ if TYPE_CHECKING:
     type=Sigmas(),
     metavar="FIRST:LAST:COUNT",
     default="0.005:0.2:24",
-    help="Scales of the residual in equal ratios, fractions of the diagonal; or a list separated by commas.",
+    help="Scales of the residual as fractions of the diagonal: a geometric progression, or a comma-separated list.",
 )
 @click.option("--restarts", type=click.IntRange(min=1), metavar="N", default=256, help="Starts at every scale.")
-@click.option("--start", type=click.Choice(STARTS), default="fibonacci", help="What they are; the last three are one.")
-@click.option("--solver", type=click.Choice(SOLVER_NAMES), default="newton", help="How a fit is found.")
 @click.option(
-    "--continuation", is_flag=True, help="Go from the largest scale to the smallest: cheaper, shows no basins."
+    "--start",
+    type=click.Choice(STARTS),
+    default="fibonacci",
+    help="Kind of starts; rga, pca and l2 are single starts.",
 )
-@options.seed(0, "Seed of random starts, and of the sampling of a mesh.")
+@click.option("--solver", type=click.Choice(SOLVER_NAMES), default="newton", help="Solver that minimises the loss.")
+@click.option(
+    "--continuation",
+    is_flag=True,
+    help="Start every scale from the optima of the next larger one: cheaper, but shows no basins.",
+)
+@options.seed(0, "Seed of random starts and of the points sampled from a mesh.")
 @options.reading
 @options.as_json
-@options.output("--out", "OUT.nc|OUT.csv", "Write every fit (netCDF needs xarray).")
-@options.output("--html", "OUT.html", "Write an interactive page.")
+@options.output("--out", "OUT.nc|OUT.csv", "Write every fit, as netCDF (needs xarray) or CSV.")
+@options.output("--html", "OUT.html", "Write an interactive HTML page.")
 @options.force
 @options.computing
 def command(
@@ -61,12 +75,14 @@ def command(
     debug: bool,
     **chosen: Any,
 ) -> None:
-    """Fit the mirror plane of FILE at many scales sigma, from many starts.
+    """Fit the mirror plane of FILE at many scales sigma and from many starts.
 
-    FILE is a scan or a mesh, as for `symjax detect`, whose pairs are the correspondences of Sym-HKS; or, with --pairs,
-    putative mirror pairs (CSV, TXT, XYZ or NPY). A line is printed for every scale: the best plane, its loss, the share
-    of starts that converged, the number of distinct optima that they reached, and the share of mirror pairs (100 %
-    where the scale is larger than the residual's own). The last lines are the plane with its scale estimated.
+    FILE is a point cloud or a mesh, as for `symjax detect`, and its pairs are the correspondences of Sym-HKS. With
+    --pairs, FILE contains putative mirror pairs (CSV, TXT, XYZ or NPY).
+
+    Prints a line for every scale: the best plane, its loss, the fraction of the starts that converged, the number of
+    distinct optima that they reached, and the fraction of the pairs that are inliers (100 % if sigma is larger than the
+    scale of the residuals). The last lines give the plane that is fitted together with sigma.
     """
     outputs = {"out": out, "html": html}
     with one_line_errors(debug), progress(quiet) as (stage, advance):
@@ -95,11 +111,11 @@ def command(
 
             stage(f"writing {html}")
             write_html(found, html)
-    echo_answer(reading, summary.as_dict(found) if as_json else None, summary.lines(found), outputs)
+    echo_result(reading, summary.as_dict(found) if as_json else None, summary.lines(found), outputs)
 
 
 def _read(file: Path, is_pairs: bool, *, samples: int, seed: int) -> tuple[tuple["Float[np.ndarray, 'n 3']", ...], str]:
-    """The points, or the two ends of the pairs; and how they were read."""
+    """Returns the points, or the two points of every pair, and a sentence on how they were read."""
     if is_pairs:
         from symjax.io.pairs import read_pairs
 

@@ -36,7 +36,7 @@ def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
 
 
 def as_dataset(sweep: ScaleSweep) -> "xarray.Dataset":
-    """Returns the fits as `Fit.to_xarray` does, with σ also as a fraction of the diagonal, and the ranks of the optima."""
+    """Returns the dataset of `Fit.to_xarray`, with σ also as a fraction of the diagonal and the ranks of the optima."""
     data = dataset(sweep.fits).assign_coords(
         fraction=("sigma", sweep.fractions, {"long_name": "sigma as a fraction of the diagonal", "units": "1"})
     )

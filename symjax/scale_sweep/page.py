@@ -75,7 +75,7 @@ def _estimated(sweep: "ScaleSweep") -> float:
 
 
 def _lines(sweep: "ScaleSweep", fraction: float) -> list[dict[str, Any]]:
-    """Returns vertical lines through all panels: a band at the σ of the sphere map, a dotted line at the estimated σ."""
+    """Returns vertical lines through all panels: a band at the σ of the sphere map, dots at the estimated σ."""
     styles = ((fraction, colours.REMOVED, 7, "solid"), (_estimated(sweep), colours.INK, 1, "dot"))
     return [
         {

@@ -47,7 +47,11 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
     cloud = prepare(points, nonfinite=nonfinite, drop_outliers=method.drops_outliers)
     matches = correspondences(cloud.points, options=method)
     ends = points[cloud.rows[matches.rows]]
-    notes = (f"{len(ends)} correspondences found by Sym-HKS among {len(cloud.points)} points", *cloud.notes, *matches.notes)
+    notes = (
+        f"{len(ends)} correspondences by Sym-HKS among {len(cloud.points)} points",
+        *cloud.notes,
+        *matches.notes,
+    )
     return SweepPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
 
 

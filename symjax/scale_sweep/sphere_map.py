@@ -1,13 +1,13 @@
-"""The basin map of a scale sweep: the sphere of normals, each part of it in the colour of the optimum that it leads to.
+"""The basin map of a scale sweep: the sphere of normals, coloured by the optimum that is reached from there.
 
-A plane is two opposite points of the sphere, so that any view of half of it shows every plane once.
+A plane is a pair of opposite points of the sphere, so that every view of half the sphere shows all planes.
 """
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 from scipy.spatial import cKDTree
 
 from symjax.geometry.local_frames import tangent_frames
@@ -29,60 +29,61 @@ COLOURS: tuple[colours.Rgb, ...] = (
     colours.REJECTED,
     colours.INK,
 )
-"""Of the best optimum, the next ones, all others, and of starts that have not converged."""
+"""Colours of the best optimum, the next five, all others, and starts that did not converge."""
 
 OTHERS, UNCONVERGED, EMPTY = len(COLOURS) - 2, len(COLOURS) - 1, len(COLOURS)
 NAMES = ("best optimum", "2nd", "3rd", "4th", "5th", "6th", "other optima", "not converged")
 
 TINT = 0.42
-"""Share of its colour in a cell; the rest is white, so that starts and optima stand out."""
+"""Fraction of the colour of a cell; the rest is white, so that starts and optima stand out."""
 
 SUBDIVISIONS = 5
-"""Of the icosahedron that is painted: triangles of 2 degrees."""
+"""Subdivisions of the icosahedron whose triangles are coloured; their sides are 2 degrees."""
 
 REACH, FARTHEST = 1.3, 0.4
-"""A start paints what is within this many spacings of evenly spread starts, and within this many radians."""
+"""A start colours the cells within this many spacings of evenly spread starts, and within this many radians."""
 
 DOT, LIFT = 1.012, 1.03
-"""Radii at which starts and optima are drawn: just above the sphere."""
+"""Radii at which starts and optima are drawn, just above the sphere."""
 
 FRAME, ZOOM = 1.3, 1.95
-"""Half the side of the cube that is shown, and its size: an orthographic view is scaled by this."""
+"""Half the side of the cube that is shown, and its aspect ratio, which scales an orthographic view."""
 
 TILT = np.radians(24.0)
-"""Angle between the view and the estimated normal."""
+"""Angle between the viewing direction and the estimated normal."""
 
 
-def colour_index(rank: Int[np.ndarray, "*n"]) -> Int[np.ndarray, "*n"]:
-    """Which of `COLOURS` a rank has."""
+def colour_index(rank: Int[np.ndarray, "*n"]) -> UInt8[np.ndarray, "*n"]:
+    """Returns the index in `COLOURS` of a rank."""
     return np.where(rank == NOT_CONVERGED, UNCONVERGED, np.minimum(rank, OTHERS)).astype(np.uint8)
 
 
 class SphereMap:
-    """The traces of the basin map: those that stay, and those that change with σ.
-
-    Args:
-        sweep: what is drawn.
-        optima: the distinct optima at every σ.
-    """
+    """Plotly traces of the basin map: those that are fixed, and those that change with σ."""
 
     def __init__(self, sweep: "ScaleSweep", optima: list[list[Optimum]]) -> None:
+        """Prepares the triangles of the sphere.
+
+        Args:
+            sweep: the scale sweep.
+            optima: the distinct optima at every σ.
+        """
         self._sweep, self._optima = sweep, optima
-        # trimesh takes a moment to import
+        # trimesh is slow to import
         from trimesh.creation import icosphere
 
         sphere = icosphere(subdivisions=SUBDIVISIONS)
         self._vertices, self._faces = np.asarray(sphere.vertices), np.asarray(sphere.faces)
-        middles = self._vertices[self._faces].mean(axis=1)
-        self._middles = middles / np.linalg.norm(middles, axis=1, keepdims=True)
+        centres = self._vertices[self._faces].mean(axis=1)
+        self._centres = centres / np.linalg.norm(centres, axis=1, keepdims=True)
 
     def fixed(self) -> list[dict[str, Any]]:
-        """Axes, the estimated normal, and the legend."""
+        """Returns the traces that are fixed: the axes, the estimated normal, and the legend."""
         normal = np.asarray(self._sweep.estimated.plane.normal)
         return [*_legend(colour_index(self._sweep.rank)), _estimated(normal), _axes()]
 
     def at(self, index: int) -> list[dict[str, Any]]:
-        """Cells, starts and optima, three traces, at the σ of this index."""
+        """Returns three traces at the σ of this index: cells, starts and optima."""
         starts = self._sweep.fits.start
         if starts is None:
             normals, rank = np.zeros((0, 3)), np.zeros(0, int)
@@ -91,7 +92,7 @@ class SphereMap:
         return [self._cells(normals, rank), self._starts(normals, rank), self._marks(self._optima[index])]
 
     def changes(self, index: int) -> list[dict[str, Any]]:
-        """What of those three is another at the σ of this index."""
+        """Returns the properties of those three traces that change with σ, at the σ of this index."""
         cells, *points = self.at(index)
         varying = ("type", "x", "y", "z", "marker", "customdata", "text")
         return [
@@ -100,14 +101,14 @@ class SphereMap:
         ]
 
     def _cells(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> dict[str, Any]:
-        """The sphere, every triangle in the colour of the nearest start; white where none is near."""
+        """Returns the sphere, with every triangle in the colour of the nearest start, or white if none is near."""
         x, y, z = self._vertices.T.astype(np.float32)
         i, j, k = self._faces.T.astype(np.int32)
         tints = [(_tint(red), _tint(green), _tint(blue)) for red, green, blue in COLOURS]
         return {
             "type": "mesh3d",
             **{"x": x, "y": y, "z": z, "i": i, "j": j, "k": k},
-            "intensity": self._painted(normals, rank),
+            "intensity": self._cell_colours(normals, rank),
             "intensitymode": "cell",
             **_scale([*tints, (250, 250, 251)]),
             "showscale": False,
@@ -117,14 +118,14 @@ class SphereMap:
             "scene": "scene",
         }
 
-    def _painted(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> Int[np.ndarray, " f"]:
+    def _cell_colours(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> UInt8[np.ndarray, " f"]:
         if len(normals) == 0:
-            return np.full(len(self._middles), EMPTY, np.uint8)
-        # the starts share half the sphere, of area 2π
+            return np.full(len(self._centres), EMPTY, np.uint8)
+        # the starts divide half the sphere, of area 2π, among them
         reach = min(REACH * np.sqrt(2 * np.pi / len(normals)), FARTHEST)
-        distance, nearest = cKDTree(np.concatenate([normals, -normals])).query(self._middles)
-        painted = colour_index(rank)[nearest % len(normals)]
-        return np.where(distance < reach, painted, EMPTY).astype(np.uint8)
+        distance, nearest = cKDTree(np.concatenate([normals, -normals])).query(self._centres)
+        of_nearest = colour_index(rank)[nearest % len(normals)]
+        return np.where(distance < reach, of_nearest, EMPTY).astype(np.uint8)
 
     def _starts(self, normals: Float[np.ndarray, "r 3"], rank: Int[np.ndarray, " r"]) -> dict[str, Any]:
         both = DOT * np.concatenate([normals, -normals]).astype(np.float32)
@@ -146,7 +147,7 @@ class SphereMap:
         }
 
     def _marks(self, optima: list[Optimum]) -> dict[str, Any]:
-        """The optima, the larger the more starts reach them."""
+        """Returns the optima; their size shows how many starts reach them."""
         normals = np.reshape([optimum.plane.normal for optimum in optima], (-1, 3))
         rank = np.arange(len(optima))
         size = [7 + 11 * float(np.sqrt(optimum.share)) for optimum in optima]
@@ -175,7 +176,7 @@ class SphereMap:
 
 
 def view(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
-    """The scene: the sphere from nearly above the estimated normal."""
+    """Returns the scene, viewed from near the direction of the estimated normal."""
     up = -tangent_frames(normal)[:, 1]
     toward = np.cos(TILT) * normal - np.sin(TILT) * up
     hidden = {"visible": False, "range": [-FRAME, FRAME]}
@@ -195,7 +196,7 @@ def view(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
 
 
 def _scale(steps: Sequence[colours.Rgb]) -> dict[str, Any]:
-    """A colour scale of steps: colour k for the number k."""
+    """Returns a stepped colour scale, with colour k for the number k."""
     count = len(steps)
     edges = [[edge / count, css(colour)] for k, colour in enumerate(steps) for edge in (k, k + 1)]
     return {"colorscale": edges, "cmin": -0.5, "cmax": count - 0.5}
@@ -226,16 +227,16 @@ def _estimated(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     return {
         "type": "scatter3d",
         "mode": "markers",
-        "name": "normal with σ estimated",
+        "name": "normal with estimated σ",
         **dict(zip("xyz", ends.T, strict=True)),
         "marker": {"symbol": "cross", "size": 6, "color": css(colours.INK)},
-        "hovertemplate": "normal with σ estimated<extra></extra>",
+        "hovertemplate": "normal with estimated σ<extra></extra>",
         "scene": "scene",
     }
 
 
-def _legend(used: Int[np.ndarray, "S R"]) -> list[dict[str, Any]]:
-    """An entry for each colour that occurs, of a trace that shows nothing."""
+def _legend(used: UInt8[np.ndarray, "S R"]) -> list[dict[str, Any]]:
+    """Returns an empty trace for each colour that occurs, for its entry in the legend."""
     return [
         {
             "type": "scatter3d",

@@ -1,4 +1,4 @@
-"""What a person, or a program, reads about a scale sweep."""
+"""Summary of a scale sweep, as text and as JSON."""
 
 import math
 from collections.abc import Iterator
@@ -14,15 +14,15 @@ HEADER = f"{'sigma':>9}  {'normal':^29}  {'offset':>12}  {'loss':>12}  {'converg
 
 
 def lines(sweep: ScaleSweep) -> Iterator[str]:
-    """A line for every σ, its best plane first, then the σ that is estimated."""
+    """Yields the summary: a table with the best plane at every σ, then the plane with estimated σ."""
     pairs, options = sweep.pairs, sweep.options
     for note in pairs.notes:
         yield f"{'pairs':<10}{note}"
     number = sweep.rank.shape[1]
-    starts = f"{number} {'start' if number == 1 else 'starts'} ({options.start}), solver {options.solver}"
-    followed = ", each σ from the optima of the last" if options.continuation else ""
-    yield f"{'sweep':<10}{len(sweep.fractions)} sigma, {starts}{followed}"
-    yield f"{'units':<10}sigma in diagonals of {pairs.diagonal:.6g}, normal · x = offset in the units of the points"
+    starts = f"{number} {'start' if number == 1 else 'starts'} each ({options.start}), solver {options.solver}"
+    followed = "; every sigma starts from the optima of the next larger one" if options.continuation else ""
+    yield f"{'sweep':<10}{len(sweep.fractions)} values of sigma, {starts}{followed}"
+    yield f"{'units':<10}sigma as a fraction of the diagonal ({pairs.diagonal:.6g}), offset in the units of the points"
     yield ""
     yield HEADER
     for row in rows(sweep):
@@ -34,13 +34,16 @@ def lines(sweep: ScaleSweep) -> Iterator[str]:
     found = sweep.estimated
     sigma = float(found.sigma)
     normal = "  ".join(f"{component:+.6f}" for component in found.plane.normal)
-    yield f"{'estimated':<10}sigma {sigma / pairs.diagonal:.5f} of the diagonal, {sigma:.4g} in units"
+    yield f"{'estimated':<10}sigma {sigma / pairs.diagonal:.5f} of the diagonal, {sigma:.4g} in the units of the points"
     yield f"{'':<10}normal {normal}, offset {float(found.plane.offset):+.6g}"
     yield f"{'':<10}{float(found.inlier_fraction):.1%} of the pairs are mirror pairs   ({found.message})"
 
 
 def rows(sweep: ScaleSweep) -> Iterator[dict[str, Any]]:
-    """Of every σ, the best plane, and how the starts ended; what is not finite is None."""
+    """Yields for every σ the best plane, the fraction of starts that converged, and the number of optima.
+
+    Numbers that are not finite become None.
+    """
     for index, fraction in enumerate(sweep.fractions):
         rank = sweep.rank[index]
         yield {
@@ -52,7 +55,7 @@ def rows(sweep: ScaleSweep) -> Iterator[dict[str, Any]]:
 
 
 def as_dict(sweep: ScaleSweep) -> dict[str, Any]:
-    """The scale sweep as numbers, strings, lists and dictionaries that JSON holds; σ as fractions of the diagonal."""
+    """Returns the scale sweep as values that JSON can represent, with σ as fractions of the diagonal."""
     return {
         "num_pairs": len(sweep.pairs.x),
         "notes": list(sweep.pairs.notes),
@@ -80,5 +83,5 @@ def _finite(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _shown(value: float | None, layout: str) -> str:
-    return "-" if value is None else format(value, layout)
+def _shown(value: float | None, spec: str) -> str:
+    return "-" if value is None else format(value, spec)

@@ -1,4 +1,4 @@
-"""What the tests of all commands share."""
+"""Fixtures of the tests of all commands."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ FRESH = (
 
 @pytest.fixture
 def run(capsys):
-    """Runs the command and gives its exit status, stdout and stderr."""
+    """Runs the command and returns its exit status, stdout and stderr."""
 
     def call(*arguments):
         with pytest.raises(SystemExit) as ended:
@@ -29,7 +29,7 @@ def run(capsys):
 
 @pytest.fixture
 def fresh():
-    """Runs a program in a new interpreter and gives its exit status, stdout and stderr."""
+    """Runs a program in a new interpreter and returns its exit status, stdout and stderr."""
 
     def call(code, *arguments, **environment):
         kept = {name: value for name, value in os.environ.items() if name != "XLA_FLAGS"}
@@ -42,7 +42,7 @@ def fresh():
 
 @pytest.fixture
 def modules_after(fresh):
-    """Exit status and the modules imported by a run of the command in a new interpreter."""
+    """Runs the command in a new interpreter and returns its exit status and the imported modules."""
 
     def call(*arguments):
         status, _, err = fresh(FRESH, *arguments)

@@ -1,4 +1,4 @@
-"""The command line: what it prints, what it writes, and how it fails. The detection itself is a stand-in here."""
+"""`symjax detect`: its printed result, files, progress and errors. The detection itself is a stand-in here."""
 
 import json
 import warnings
@@ -22,7 +22,7 @@ STAGES = ("preparing", "fitting")
 
 
 def fake_detect(points, method, *, rng, nonfinite, drop_outliers, remove_ground, max_planes, progress):
-    """What `detect` would give for a cloud whose mirror plane is x = 0.25; its notes are the arguments."""
+    """Returns a detection of the plane x = 0.25, whose notes are the arguments."""
     for stage in STAGES:
         progress(stage)
     index = np.array([[0, 1], [2, 3], [4, 5]])
@@ -71,7 +71,7 @@ def fake(monkeypatch):
     monkeypatch.setattr(detect, "detect", fake_detect)
 
 
-def test_text_has_the_plane_and_what_to_think_of_it(run, fake, scan):
+def test_text_has_the_plane_and_its_evidence(run, fake, scan):
     status, out, err = run("detect", scan, "--quiet")
     assert (status, err) == (0, "")
     lines = dict(line.split(None, 1) for line in out.splitlines())
@@ -80,7 +80,7 @@ def test_text_has_the_plane_and_what_to_think_of_it(run, fake, scan):
     assert lines["found"].startswith("yes")
     assert "score 0.700, above the threshold 0.300" in lines["found"]
     assert lines["inliers"] == "66.7% of 3 pairs"
-    assert "The gradient is zero" in lines["converged"]
+    assert "The gradient is zero" in lines["solver"]
     expected = "nonfinite raise, drop_outliers None, remove_ground False, max_planes 9"
     assert lines["note"] == f"{expected}, {Robust()}"
     assert "cloud of 60 points" in lines["file"]
@@ -154,14 +154,14 @@ def test_outputs_are_written_and_not_replaced_without_force(run, fake, scan, tmp
         assert path.read_bytes() != b"mine"
 
 
-def test_outputs_that_cannot_be_are_refused_before_the_work(run, scan, tmp_path, monkeypatch):
+def test_impossible_outputs_are_refused_before_anything_is_computed(run, scan, tmp_path, monkeypatch):
     monkeypatch.setattr(detect, "detect", None)
     for options, why in [
-        (["--mirror", scan, "--force"], "it is the input or another output"),
-        (["--png", tmp_path / "a", "--html", tmp_path / "a"], "it is the input or another output"),
+        (["--mirror", scan, "--force"], "it is also the input or another output"),
+        (["--png", tmp_path / "a", "--html", tmp_path / "a"], "it is also the input or another output"),
         (["--png", tmp_path], "it is a folder"),
-        (["--png", tmp_path / "no" / "a.png"], "there is no folder"),
-        (["--mirror", tmp_path / "a.obj"], "end the name in .ply"),
+        (["--png", tmp_path / "no" / "a.png"], "does not exist"),
+        (["--mirror", tmp_path / "a.obj"], "must end in .ply"),
     ]:
         status, out, err = run("detect", scan, *options)
         assert (status, out) == (2, "")
@@ -182,7 +182,7 @@ def test_errors_are_one_line_and_status_2(run, scan, tmp_path, monkeypatch):
         (["detect"], "Missing argument 'FILE'"),
         (["detect", scan, "--colour"], "No such option"),
         (["detect", scan, "--seed", -1], "--seed"),
-        (["detect", scan, "--keep-outliers", "--drop-outliers"], "exclude each other"),
+        (["detect", scan, "--keep-outliers", "--drop-outliers"], "contradict each other"),
         (["detect", scan, "--sigma", 0.05], "--sigma is an option of method sym-hks, not of robust"),
         (["detect", scan, "--restarts", 5], "use --method sym-hks"),
         (["detect", scan, "--method", "sym-hks", "--init", 1, 0, 0, 0], "--init is an option of method robust"),
@@ -207,13 +207,15 @@ def test_debug_shows_the_traceback(scan, monkeypatch):
 def test_warnings_are_one_line_each(run, scan, monkeypatch):
     def warns(points, method, **options):
         for _ in range(2):
-            warnings.warn("the graph is in\n2 pieces", ComponentsWarning, stacklevel=1)
+            warnings.warn("the cloud has\n2 components", ComponentsWarning, stacklevel=1)
         return fake_detect(points, method, **options)
 
     monkeypatch.setattr(detect, "detect", warns)
     status, _, err = run("detect", scan)
     assert status == 0
-    assert [line for line in err.splitlines() if "warning" in line] == ["symjax: warning: the graph is in 2 pieces"] * 2
+    assert [line for line in err.splitlines() if "warning" in line] == [
+        "symjax: warning: the cloud has 2 components"
+    ] * 2
 
 
 def test_progress_names_the_stages_on_a_terminal_unless_quiet(run, fake, scan, monkeypatch):
@@ -225,12 +227,12 @@ def test_progress_names_the_stages_on_a_terminal_unless_quiet(run, fake, scan, m
     assert run("detect", scan, "--quiet")[2] == ""
 
 
-def test_progress_is_a_plain_line_a_stage_where_stderr_is_no_terminal(run, fake, scan):
+def test_progress_is_a_line_per_stage_if_stderr_is_not_a_terminal(run, fake, scan):
     assert run("detect", scan)[2].splitlines() == [f"symjax: {stage} ..." for stage in STAGES if stage not in CHECKING]
     assert run("detect", scan, "--quiet")[2] == ""
 
 
-def test_compiled_programs_are_kept_only_if_asked(run, fake, scan, monkeypatch):
+def test_compiled_programs_are_cached_only_on_request(run, fake, scan, monkeypatch):
     kept = []
     monkeypatch.setattr("symjax.l2e.jax_config.enable_compilation_cache", lambda: kept.append(True))
     assert run("detect", scan)[0] == 0
@@ -239,10 +241,10 @@ def test_compiled_programs_are_kept_only_if_asked(run, fake, scan, monkeypatch):
     assert kept == [True]
 
 
-def test_a_cache_that_cannot_be_made_is_one_line(run, fake, scan, tmp_path, monkeypatch):
+def test_a_cache_folder_that_cannot_be_created_is_a_one_line_error(run, fake, scan, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("SYMJAX_CACHE", str(tmp_path / "file" / "cache"))
     status, out, err = run("detect", scan, "--cache")
     assert (status, out) == (2, "")
-    assert err.startswith("symjax: error: cannot keep compiled programs (--cache)")
+    assert err.startswith("symjax: error: cannot cache compiled programs (--cache)")
     assert err.count("\n") == 1

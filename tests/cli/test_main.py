@@ -1,4 +1,4 @@
-"""The command `symjax`: help and wrong commands answer at once."""
+"""The command `symjax`: help and errors appear at once."""
 
 import pytest
 

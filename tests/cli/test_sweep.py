@@ -1,4 +1,4 @@
-"""`symjax sweep`: what it prints and writes, how it tells its progress, and how it fails."""
+"""`symjax sweep`: its printed result, files, progress and errors."""
 
 import csv
 import json
@@ -23,7 +23,7 @@ SMALL = ("--sigma", "0.01:0.09:3", "--restarts", "8")
 
 @pytest.fixture(autouse=True)
 def one_at_a_time(monkeypatch):
-    """One σ at a time on the devices that there are, so that the tests compile one sweep."""
+    """One σ per batch on the existing devices, so that the tests compile one sweep."""
     jax.devices()
     monkeypatch.setattr("symjax.scale_sweep.run.SLOTS", 8)
 
@@ -37,7 +37,7 @@ def pairs(tmp_path):
 
 @pytest.fixture
 def run(run):
-    """Runs `symjax sweep` and gives its exit status, stdout and stderr."""
+    """Runs `symjax sweep` and returns its exit status, stdout and stderr."""
     return lambda *arguments: run("sweep", *arguments)
 
 
@@ -53,17 +53,17 @@ def test_a_line_for_every_sigma_and_the_estimated_one(run, pairs):
         assert row[6].endswith("%")
         assert 1 <= int(row[7]) <= 8
     assert "240 pairs given" in out
-    assert "8 starts (fibonacci), solver newton" in out
+    assert "8 starts each (fibonacci), solver newton" in out
     estimated = next(line for line in lines if line.startswith("estimated"))
     np.testing.assert_allclose(float(estimated.split()[6]), NOISE, rtol=0.15)
 
 
-def test_files_and_json_say_the_same(run, pairs, tmp_path):
+def test_files_and_json_agree(run, pairs, tmp_path):
     xarray = pytest.importorskip("xarray")
     outputs = {name: tmp_path / f"sweep.{name}" for name in ("nc", "csv", "html")}
     status, out, err = run(pairs, "--pairs", *SMALL, "--quiet", "--json", "--out", outputs["nc"])
     assert (status, err, out.count("\n")) == (0, "", 1)
-    told = json.loads(out)
+    result = json.loads(out)
     options = ["--out", outputs["csv"], "--html", outputs["html"]]
     status, out, err = run(pairs, "--pairs", *SMALL, "--quiet", *options)
     assert (status, err) == (0, "")
@@ -84,11 +84,11 @@ def test_files_and_json_say_the_same(run, pairs, tmp_path):
     np.testing.assert_allclose(data.sigma, data.fraction * data.attrs["diagonal"], rtol=1e-12)
 
     lowest = data.loss.where(data.converged)
-    np.testing.assert_allclose([row["loss"] for row in told["sweep"]], lowest.min("restart"))
-    np.testing.assert_allclose([row["converged"] for row in told["sweep"]], data.converged.mean("restart"))
-    assert [row["optima"] for row in told["sweep"]] == (data["rank"].max("restart") + 1).values.tolist()
-    assert told["estimated"]["normal"] == data.attrs["estimated_normal"].tolist()
-    assert (told["num_pairs"], told["start"], told["restarts"]) == (240, "fibonacci", 8)
+    np.testing.assert_allclose([row["loss"] for row in result["sweep"]], lowest.min("restart"))
+    np.testing.assert_allclose([row["converged"] for row in result["sweep"]], data.converged.mean("restart"))
+    assert [row["optima"] for row in result["sweep"]] == (data["rank"].max("restart") + 1).values.tolist()
+    assert result["estimated"]["normal"] == data.attrs["estimated_normal"].tolist()
+    assert (result["num_pairs"], result["start"], result["restarts"]) == (240, "fibonacci", 8)
 
 
 def test_a_scan_is_swept_by_its_correspondences(run, tmp_path):
@@ -97,11 +97,11 @@ def test_a_scan_is_swept_by_its_correspondences(run, tmp_path):
     path = tmp_path / "scan.ply"
     write_points(path, cloud.points)
     status, out, _ = run(path, *SMALL, "--quiet", "--json")
-    told = json.loads(out)
+    result = json.loads(out)
     assert status == 0
-    assert told["reading"]["note"] == "cloud of 1500 points"
-    assert "by Sym-HKS" in told["notes"][0]
-    assert deviation_angle(np.array(told["sweep"][1]["normal"]), cloud.normals[0]) < 5
+    assert result["reading"]["note"] == "cloud of 1500 points"
+    assert "by Sym-HKS" in result["notes"][0]
+    assert deviation_angle(np.array(result["sweep"][1]["normal"]), cloud.normals[0]) < 5
 
 
 def test_random_starts_follow_the_seed(run, pairs):
@@ -130,10 +130,10 @@ def test_errors_are_one_line_and_status_2(run, pairs, tmp_path, monkeypatch):
         ([tmp_path / "none.ply"], "No such file"),
         ([tmp_path / "none.csv", "--pairs"], "No such file"),
         ([tmp_path, "--pairs"], "it is a folder"),
-        ([pairs, "--pairs", "--out", tmp_path / "a.json"], "end the name in .nc or .csv"),
+        ([pairs, "--pairs", "--out", tmp_path / "a.json"], "must end in .nc or .csv"),
         ([pairs, "--pairs", "--out", tmp_path / "old.csv"], "use --force"),
-        ([pairs, "--pairs", "--html", pairs, "--force"], "it is the input or another output"),
-        ([pairs, "--pairs", "--sigma", "0"], "0 is no scale"),
+        ([pairs, "--pairs", "--html", pairs, "--force"], "it is also the input or another output"),
+        ([pairs, "--pairs", "--sigma", "0"], "a scale must be a positive, finite fraction of the diagonal, not 0"),
         ([pairs, "--pairs", "--restarts", 0], "--restarts"),
         ([pairs, "--pairs", "--start", "best"], "'best' is not one of"),
         ([bad, "--pairs"], "5 of 5 pairs are NaN"),
@@ -164,7 +164,7 @@ def test_errors_are_one_line_and_status_2(run, pairs, tmp_path, monkeypatch):
         ("1e-3:0.2:2", (0.001, 0.2)),
     ],
 )
-def test_scales_are_typed_as_a_range_or_a_list(text, sigmas):
+def test_scales_are_a_range_or_a_list(text, sigmas):
     np.testing.assert_allclose(Sigmas().convert(text, None, None), sigmas, rtol=1e-14)
 
 
@@ -196,8 +196,8 @@ print(len(jax.devices()))
 """
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the number of cores is not known here")
-def test_every_core_is_a_device_unless_the_user_has_said_otherwise(fresh):
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the number of available cores is unknown here")
+def test_every_core_is_a_device_unless_the_user_sets_their_number(fresh):
     cpu, cores = {"JAX_PLATFORMS": "cpu"}, len(os.sched_getaffinity(0))
     program = DEVICES.format("import jax")
     assert fresh(program, **cpu)[1] == f"{cores}\n"

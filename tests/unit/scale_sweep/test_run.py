@@ -1,4 +1,4 @@
-"""A scale sweep: the fits of one file's pairs in parts, its optima, and the page that shows them."""
+"""A scale sweep: its fits, computed in batches, its optima, and its page."""
 
 import numpy as np
 import pytest
@@ -21,23 +21,23 @@ OPTIONS = Options("fibonacci", 8, "newton", False, 0)
 TRUTH = planted_pairs(np.random.default_rng(7), 240, 0.3, "wide", noise=NOISE)
 
 
-def swept(options=OPTIONS, told=None):
+def swept(options=OPTIONS, events=None):
     pairs = given_pairs(TRUTH.x, TRUTH.y)
-    told = [] if told is None else told
+    events = [] if events is None else events
     return scale_sweep(
-        pairs, FRACTIONS, options, stage=told.append, advance=lambda done, total: told.append((done, total))
+        pairs, FRACTIONS, options, stage=events.append, advance=lambda done, total: events.append((done, total))
     )
 
 
-TOLD = []
+EVENTS = []
 
 
 @pytest.fixture(scope="module")
 def found():
-    """A scale sweep of one σ at a time."""
+    """A scale sweep with one σ per batch."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(run, "SLOTS", 8)
-        return swept(told=TOLD)
+        return swept(events=EVENTS)
 
 
 def test_the_planted_plane_is_found_and_sigma_estimated(found):
@@ -49,7 +49,7 @@ def test_the_planted_plane_is_found_and_sigma_estimated(found):
 
 
 @pytest.mark.slow
-def test_parts_of_a_sweep_are_the_sweep(found):
+def test_batches_give_the_same_fits_as_one_sweep(found):
     fits = sweep(TRUTH.x, TRUTH.y, np.array(FRACTIONS) * found.pairs.diagonal, "fibonacci", restarts=8)
     np.testing.assert_array_equal(found.fits.converged, fits.converged)
     np.testing.assert_allclose(found.fits.loss, fits.loss, rtol=1e-9)
@@ -57,15 +57,15 @@ def test_parts_of_a_sweep_are_the_sweep(found):
     np.testing.assert_allclose(found.fits.sigma, fits.sigma, rtol=1e-14)
 
 
-def test_progress_is_told(found):
-    assert TOLD == ["sweeping sigma", (0, 3), (1, 3), (2, 3), (3, 3), "estimating sigma"]
+def test_progress_is_reported(found):
+    assert EVENTS == ["sweeping sigma", (0, 3), (1, 3), (2, 3), (3, 3), "estimating sigma"]
 
 
-def test_starts_are_those_of_the_sweep(found):
+def test_starts_are_evenly_spread(found):
     even = fibonacci(8)
     for normals in found.fits.start.normal:
         assert (deviation_angle(normals, even) < 1e-6).all()
-    # each begins at an offset where pairs support it
+    # each starts at an offset within the cloud
     low, high = (f(found.fits.start.normal @ TRUTH.x.T, axis=2) for f in (np.min, np.max))
     assert ((found.fits.start.offset > low) & (found.fits.start.offset < high)).all()
 
@@ -82,8 +82,8 @@ def test_a_continuation_has_optima_and_no_starts():
     assert len(marks.x) == 2
 
 
-def random_ends(rng, number=40, distinct=6):
-    """Planes that are a few distinct ones, of either sign, with the loss of each."""
+def random_fits(rng, number=40, distinct=6):
+    """Planes with few distinct values and random signs, their losses, and which distinct plane each is."""
     normals = rng.normal(size=(distinct, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     which = np.concatenate([np.arange(distinct), rng.integers(distinct, size=number - distinct)])
@@ -92,8 +92,8 @@ def random_ends(rng, number=40, distinct=6):
     return Plane(sign[:, None] * normals[which], sign * offsets[which]), losses[which], which
 
 
-def test_ranks_are_of_planes_and_not_of_their_signs_or_order(rng):
-    planes, loss, which = random_ends(rng)
+def test_ranks_do_not_depend_on_signs_or_order(rng):
+    planes, loss, which = random_fits(rng)
     place = {"centre": np.zeros(3), "diagonal": 1.0}
     np.testing.assert_array_equal(ranks(planes, loss, np.ones(40, bool), **place), which)
     order = rng.permutation(40)
@@ -104,8 +104,8 @@ def test_ranks_are_of_planes_and_not_of_their_signs_or_order(rng):
     np.testing.assert_array_equal(moved, which)
 
 
-def test_what_has_not_converged_has_no_rank(rng):
-    planes, loss, which = random_ends(rng)
+def test_fits_that_did_not_converge_have_no_rank(rng):
+    planes, loss, which = random_fits(rng)
     loss[1] = np.nan
     rank = ranks(planes, loss, which != 0, centre=np.zeros(3), diagonal=1.0)
     assert (rank[which == 0] == NOT_CONVERGED).all()
@@ -118,7 +118,7 @@ def test_what_has_not_converged_has_no_rank(rng):
     assert optima(planes, loss, np.full(40, NOT_CONVERGED)) == []
 
 
-def test_the_diagonal_of_pairs_turns_and_scales_with_them(rng):
+def test_the_centre_and_diagonal_of_pairs_are_equivariant(rng):
     x, y = rng.normal(size=(2, 50, 3)) * (3, 2, 1)
     frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     one, other = given_pairs(x, y), given_pairs(7 * x @ frame + 100, 7 * y @ frame + 100)
@@ -156,7 +156,7 @@ def test_pairs_of_a_cloud_are_those_of_sym_hks_and_agree_with_its_plane():
     assert np.median(apart) < 0.05 * pairs.diagonal
 
 
-def test_the_page_paints_basins_and_marks_optima(found):
+def test_the_page_shows_basins_and_optima(found):
     fig = figure(found)
     assert len(fig.frames) == len(fig.layout.sliders[0].steps) == len(FRACTIONS)
     names = {trace.name for trace in fig.data}
@@ -189,7 +189,7 @@ def test_panels_show_the_best_plane_at_every_sigma(found):
     np.testing.assert_array_equal(found.best.inlier_fraction, np.minimum((1 - losses.y) / 2, 1))
 
 
-def test_the_page_is_one_file_that_fetches_nothing(found, tmp_path):
+def test_the_page_is_one_file_that_loads_nothing(found, tmp_path):
     hostile = found._replace(pairs=found.pairs._replace(notes=("<script>alert(1)</script>",)))
     write_html(hostile, tmp_path / "page.html", title="a < b")
     assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
