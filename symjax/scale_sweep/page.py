@@ -95,7 +95,7 @@ def _layout(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict
     normal = ", ".join(f"{component:z.4f}" for component in plane.normal)
     subtitle = (
         f"Estimated σ: {_estimated(sweep):.4g} of the diagonal; {float(sweep.estimated.inlier_fraction):.0%} of "
-        f"{len(sweep.pairs.x)} pairs are mirror pairs. {number} {'start' if number == 1 else 'starts'} "
+        f"{len(sweep.pairs.x)} pairs are inliers. {number} {'start' if number == 1 else 'starts'} "
         f"({options.start}) at each of {len(found)} σ, solver {options.solver}"
     )
     headings = [(name, 0.0, optima_panels.top(number)) for number, name in enumerate(optima_panels.NAMES, start=1)]

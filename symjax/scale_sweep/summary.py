@@ -28,7 +28,7 @@ def lines(sweep: ScaleSweep) -> Iterator[str]:
     for row in rows(sweep):
         normal = " ".join(f"{_shown(component, '+.6f'):>9}" for component in row["normal"])
         offset, loss = (f"{_shown(row[name], sign):>12}" for name, sign in (("offset", "+.6g"), ("loss", ".6g")))
-        inliers = f"{_shown(row['inlier_fraction'], '.3g'):>7}"
+        inliers = f"{_shown(row['inlier_fraction'], '.1%'):>7}"
         yield f"{row['sigma']:9.5f}  {normal}  {offset}  {loss}  {row['converged']:9.1%}  {row['optima']:6d}  {inliers}"
     yield ""
     found = sweep.estimated
@@ -36,7 +36,7 @@ def lines(sweep: ScaleSweep) -> Iterator[str]:
     normal = "  ".join(f"{component:+.6f}" for component in found.plane.normal)
     yield f"{'estimated':<10}sigma {sigma / pairs.diagonal:.5f} of the diagonal, {sigma:.4g} in the units of the points"
     yield f"{'':<10}normal {normal}, offset {float(found.plane.offset):+.6g}"
-    yield f"{'':<10}{float(found.inlier_fraction):.1%} of the pairs are mirror pairs   ({found.message})"
+    yield f"{'':<10}{float(found.inlier_fraction):.1%} of the pairs are inliers   ({found.message})"
 
 
 def rows(sweep: ScaleSweep) -> Iterator[dict[str, Any]]:
