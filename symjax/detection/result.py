@@ -39,7 +39,8 @@ class Pairs(NamedTuple):
 class Detection:
     """The result of `symjax.detect`: the best mirror plane of a point cloud, its evidence, and what was computed.
 
-    All arrays are NumPy arrays in float64, and all lengths are in the units of the input points unless stated.
+    Arrays are NumPy arrays, in float64 unless they hold rows. Lengths are in the units of the input points, unless
+    stated otherwise.
 
     Attributes:
         plane: the best plane, `normal · x = offset`; the largest component of its normal is positive.

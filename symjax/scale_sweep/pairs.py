@@ -46,13 +46,13 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
     method = SymHKS()
     cloud = prepare(points, nonfinite=nonfinite, drop_outliers=method.drops_outliers)
     matches = correspondences(cloud.points, options=method)
-    ends = points[cloud.rows[matches.rows]]
+    pairs = points[cloud.rows[matches.rows]]
     notes = (
-        f"{len(ends)} correspondences by Sym-HKS among {len(cloud.points)} points",
+        f"{len(pairs)} correspondences by Sym-HKS among {len(cloud.points)} points",
         *cloud.notes,
         *matches.notes,
     )
-    return SweepPairs(ends[:, 0], ends[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
+    return SweepPairs(pairs[:, 0], pairs[:, 1], np.asarray(cloud.to_given.shift), cloud.diagonal, notes)
 
 
 def given_pairs(
@@ -75,5 +75,5 @@ def given_pairs(
     if len(rows) < MIN_PAIRS:
         raise TooFewPointsError(f"{len(rows)} pairs are too few: at least {MIN_PAIRS} are needed to fit a plane")
     x, y = x[rows], y[rows]
-    to_given = in_own_frame(np.concatenate([x, y]), "ends of pairs").to_given
+    to_given = in_own_frame(np.concatenate([x, y]), "points of the pairs").to_given
     return SweepPairs(x, y, np.asarray(to_given.shift), float(to_given.scale), (f"{len(x)} pairs given", *notes))

@@ -68,7 +68,7 @@ class SymHKS(CorrespondenceOptions):
         'uniform'
         >>> symjax.SymHKS(sigma=0)
         Traceback (most recent call last):
-        symjax.errors.InvalidArgumentError: sigma must be a finite number, above 0, not 0
+        symjax.errors.InvalidArgumentError: sigma must be ...
     """
 
     name: ClassVar[str] = "sym-hks"
