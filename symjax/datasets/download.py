@@ -49,6 +49,10 @@ def fetch(name: str, original: Original) -> Path:
             return Path(cache.fetch(file, downloader=pooch.HTTPDownloader(timeout=TIMEOUT)))
     # pooch raises OSError if the download fails, and ValueError if the hash differs
     except (OSError, ValueError) as error:
+        response = getattr(error, "response", None)
+        if response is not None:
+            # pooch streams the body, and leaves the connection open when the status is an error
+            response.close()
         reason = str(error).rstrip(".")
         raise FileFormatError(
             f"cannot fetch {name!r}: {reason}; try again, or save {original.url} as {cache.abspath / file} yourself"

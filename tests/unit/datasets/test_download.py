@@ -60,9 +60,10 @@ def test_a_truncated_body_is_refused(tent, site, cache):
 @pytest.mark.parametrize(("status", "reason"), [(404, "404 Client Error"), (503, "503 Server Error")])
 def test_what_the_server_says_is_said(tent, site, cache, status, reason):
     site.put("/tent-low-res.obj", b"sorry", status=status)
-    with pytest.raises(FileFormatError, match=f"cannot fetch 'tent': {reason}.*; try again, or save http://"):
+    with pytest.raises(FileFormatError, match=f"cannot fetch 'tent': {reason}.*; try again, or save http://") as caught:
         datasets.load("tent")
     assert not kept(cache)
+    assert caught.value.__cause__.response.raw.closed
 
 
 def test_no_network(tent, site, cache):
