@@ -1,15 +1,24 @@
-"""The error tree: every error that bad input gets is a `SymjaxError`, and so a `ValueError`.
+"""Errors and warnings. Bad input always raises a `SymjaxError`, which is a `ValueError`.
 
-A message says what is wrong, how many, the first index, and what to do.
+A message says what is wrong, where (the first index or line), the offending value, and what to do instead.
 """
 
 
 class SymjaxError(ValueError):
-    """Base of every error that symjax raises on purpose."""
+    """Base class of all errors that symjax raises for bad input.
+
+    Example:
+        >>> import symjax
+        >>> try:
+        ...     symjax.read_points("missing.ply")
+        ... except symjax.SymjaxError as error:
+        ...     print(error)
+        cannot read 'missing.ply': No such file or directory
+    """
 
 
 class InvalidArgumentError(SymjaxError):
-    """An option is out of its range: sigma <= 0, a start that is no direction, too many eigenpairs, ..."""
+    """An option has a wrong type or is out of its range, such as sigma <= 0 or too many eigenpairs."""
 
 
 class InvalidPointsError(SymjaxError):
@@ -17,19 +26,19 @@ class InvalidPointsError(SymjaxError):
 
 
 class TooFewPointsError(InvalidPointsError):
-    """The cloud, or the set of pairs, is too small for what was asked."""
+    """The cloud, or the set of pairs, has too few points."""
 
 
 class NonfiniteError(InvalidPointsError):
-    """NaN or infinite coordinates."""
+    """Some coordinates are NaN or infinite."""
 
 
 class DegenerateCloudError(SymjaxError):
-    """The points coincide or lie on one line: no mirror plane is defined by them."""
+    """The points coincide or lie on one line, so they define no mirror plane."""
 
 
 class SpectrumError(SymjaxError):
-    """The Laplacian's eigenpairs could not be computed."""
+    """The eigenpairs of the Laplacian could not be computed."""
 
 
 class MatchingError(SymjaxError):
@@ -37,24 +46,32 @@ class MatchingError(SymjaxError):
 
 
 class MethodError(SymjaxError):
-    """A method returned what is no result: no candidate, or parts that contradict each other."""
+    """A method returned an invalid result: it has no candidate, or its parts contradict each other."""
 
 
 class FileFormatError(SymjaxError):
-    """A file is missing, unreadable, truncated, or of a format that is not read."""
+    """A file is missing, unreadable, damaged, or of an unsupported format."""
 
 
 class SymjaxWarning(UserWarning):
-    """Base of every warning: the answer stands, and something about the input deserves a look."""
+    """Base class of all warnings. The result is valid, but the input should be checked.
+
+    Example:
+        Turn the warnings of symjax into errors:
+
+        >>> import warnings
+        >>> with warnings.catch_warnings():
+        ...     warnings.simplefilter("error", SymjaxWarning)
+    """
 
 
 class PrecisionWarning(SymjaxWarning):
-    """The input's own rounding limits the answer (float32 far from the origin)."""
+    """The rounding of the input limits the accuracy of the result (float32 far from the origin)."""
 
 
 class DuplicatePointsWarning(SymjaxWarning):
-    """Many points coincide; they were merged for the graph."""
+    """Many points coincide; they were merged."""
 
 
 class ComponentsWarning(SymjaxWarning):
-    """The cloud's neighbourhood graph is in several pieces."""
+    """The neighbourhood graph of the cloud is not connected."""

@@ -1,1 +1,1 @@
-"""Planes, directions, similarities and uncertainties, on NumPy and JAX arrays alike."""
+"""Planes, directions, similarities and uncertainties, for NumPy and JAX arrays."""

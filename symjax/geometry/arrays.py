@@ -1,4 +1,4 @@
-"""The type of an array of NumPy or of JAX, for annotations that must not import JAX."""
+"""An annotation for arrays of NumPy or JAX that does not import JAX."""
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -10,4 +10,4 @@ if TYPE_CHECKING:
 else:
     # jaxtyping's `Array` would import JAX
     AnyArray = Any
-"""An array of JAX or of NumPy."""
+"""A NumPy or JAX array."""

@@ -1,4 +1,4 @@
-"""Checks of single options: what is out of its range is refused before anything is computed."""
+"""Checks of single options. They raise `InvalidArgumentError` before anything is computed."""
 
 import math
 from collections.abc import Iterable
@@ -8,12 +8,17 @@ from symjax.errors import InvalidArgumentError
 
 
 def whole(name: str, value: Any, least: int) -> int:
-    """A whole number.
+    """Returns a whole number as an `int`.
+
+    Args:
+        name: name of the option in an error message.
+        value: number of Python, NumPy or JAX.
+        least: smallest valid number.
 
     Raises:
-        InvalidArgumentError: it is none, or smaller than `least`.
+        InvalidArgumentError: if the value is not a whole number, or is smaller than `least`.
     """
-    number = _scalar(value)
+    number = _python_scalar(value)
     if not isinstance(number, int) or isinstance(number, bool) or number < least:
         raise InvalidArgumentError(f"{name} must be a whole number, at least {least}, not {value!r}")
     return number
@@ -28,12 +33,20 @@ def number(
     most: float = math.inf,
     below: float = math.inf,
 ) -> float:
-    """A finite number, within the bounds.
+    """Returns a finite number within bounds as a `float`.
+
+    Args:
+        name: name of the option in an error message.
+        value: number of Python, NumPy or JAX.
+        least: smallest valid number.
+        above: lower bound that is itself invalid.
+        most: largest valid number.
+        below: upper bound that is itself invalid.
 
     Raises:
-        InvalidArgumentError: it is none, not finite, or out of the bounds.
+        InvalidArgumentError: if the value is not a number, not finite, or out of the bounds.
     """
-    found = _scalar(value)
+    found = _python_scalar(value)
     is_number = isinstance(found, (int, float)) and not isinstance(found, bool)
     if not is_number or not (least <= found <= most and above < found < below):
         bounds = {"at least": least, "above": above, "at most": most, "below": below}
@@ -43,27 +56,27 @@ def number(
 
 
 def flag(name: str, value: Any) -> bool:
-    """True or False.
+    """Returns True or False as a `bool`.
 
     Raises:
-        InvalidArgumentError: it is neither.
+        InvalidArgumentError: if the value is neither.
     """
-    if not isinstance(_scalar(value), bool):
+    if not isinstance(_python_scalar(value), bool):
         raise InvalidArgumentError(f"{name} must be True or False, not {value!r}")
     return bool(value)
 
 
 def choice(name: str, value: Any, known: Iterable[str]) -> None:
-    """Refuses a word that is not known.
+    """Checks that a value is one of the known names.
 
     Raises:
-        InvalidArgumentError: naming those that are.
+        InvalidArgumentError: if it is not; the message lists the known names.
     """
     words = list(known)
     if not isinstance(value, str) or value not in words:
         raise InvalidArgumentError(f"{name} {value!r} is unknown: choose one of {', '.join(words)}")
 
 
-def _scalar(value: Any) -> Any:
-    """A number of NumPy or JAX as one of Python."""
+def _python_scalar(value: Any) -> Any:
+    """Converts a scalar of NumPy or JAX to a Python number; returns anything else unchanged."""
     return value.item() if getattr(value, "shape", None) == () else value

@@ -1,4 +1,4 @@
-"""Frames of a surface: normal and tangents at its points."""
+"""Local frames of a surface: its normal and tangents at each point."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -7,9 +7,15 @@ from jaxtyping import Float, Int
 def local_frames(
     points: Float[np.ndarray, "n 3"], neighbours: Int[np.ndarray, "m h"]
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m 3 3"]]:
-    """Scatter of neighbours, rows of the points, about their own mean: eigenvalues ascending, eigenvectors in columns.
+    """Computes the principal axes of each neighbourhood about its mean.
 
-    Column 0 is the normal, unoriented; columns 1 and 2 span the tangent plane.
+    Args:
+        points: the cloud.
+        neighbours: rows of the points of each neighbourhood.
+
+    Returns:
+        Variances along the axes, ascending, and the axes in columns. Column 0 is the normal, with an arbitrary sign;
+        columns 1 and 2 span the tangent plane.
     """
     around = points[neighbours]
     around = around - around.mean(axis=1, keepdims=True)
@@ -18,9 +24,9 @@ def local_frames(
 
 
 def tangent_frames(normals: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3 2"]:
-    """Two orthonormal tangents, in columns, for every normal of any length."""
+    """Returns two orthonormal tangents, in columns, for each normal of any nonzero length."""
     unit = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
-    # the axis that the normal is farthest from
+    # the coordinate axis at the largest angle to the normal
     axis = np.eye(3)[np.argmin(np.abs(unit), axis=-1)]
     first = np.cross(unit, axis)
     first /= np.linalg.norm(first, axis=-1, keepdims=True)

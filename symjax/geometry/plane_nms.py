@@ -1,4 +1,4 @@
-"""Which planes are near each other, and their non-maximum suppression: of planes that are near, the best is kept."""
+"""Non-maximum suppression of planes: of several planes that are near each other, it keeps only the best."""
 
 import math
 from typing import Any
@@ -11,36 +11,43 @@ from symjax.geometry.plane import Plane
 
 
 def near(planes: Plane, plane: Plane, *, angle: float, offset: Float[AnyArray, ""] | float) -> Bool[AnyArray, "*batch"]:
-    """Which planes are near a plane: both their normals and their offsets are; v and −v are the same normal.
+    """Finds the planes that are near a given plane, both in their normals and in their offsets.
 
-    NumPy and JAX arrays both work.
+    The signs of the normals do not matter. NumPy and JAX arrays are accepted.
 
     Args:
         planes: unit normals and offsets.
-        plane: the one plane that they are compared with.
-        angle: largest angle between the normals of planes that are near, in degrees.
-        offset: largest difference of their offsets, in the units of the points. Offsets are compared at the origin:
-            the frame's origin should be in the middle of the cloud.
+        plane: the plane to compare them with.
+        angle: largest angle between the normals of near planes, in degrees.
+        offset: largest difference between the offsets of near planes, in the units of the points. Offsets are compared
+            at the origin, so the origin should be in the middle of the cloud.
+
+    Returns:
+        True for each plane that is near.
     """
     xp: Any = planes.normal.__array_namespace__()
     n, v = planes.normal, plane.normal
-    # columns, not a matrix product: on a GPU that would run in TF32
+    # column by column: on a GPU, a matrix product would run in TF32
     cosine = n[..., 0] * v[0] + n[..., 1] * v[1] + n[..., 2] * v[2]
     apart = xp.abs(xp.where(cosine < 0, -1, 1) * planes.offset - plane.offset)
-    return (xp.abs(cosine) > math.cos(math.radians(angle))) & (apart < offset)
+    is_near: Bool[AnyArray, "*batch"] = (xp.abs(cosine) > math.cos(math.radians(angle))) & (apart < offset)
+    return is_near
 
 
 def suppress(
     planes: Plane, order: Int[np.ndarray, " p"], *, angle: float, offset: float, most: int
 ) -> Int[np.ndarray, " r"]:
-    """Rows of the planes that are kept: in the given order, without those near one already kept.
+    """Goes through planes in order of preference, and keeps each one that is not near a plane already kept.
 
     Args:
         planes: unit normals of shape (n, 3) and offsets of shape (n,).
-        order: rows in the order of preference.
+        order: rows of the planes, the best first.
         angle: see `near`.
         offset: see `near`.
-        most: number of planes that are kept at most.
+        most: largest number of planes to keep.
+
+    Returns:
+        Rows of the planes that are kept, the best first.
 
     Example:
         >>> planes = Plane(np.array([[1.0, 0, 0], [-1.0, 0, 0], [0, 1.0, 0]]), np.zeros(3))

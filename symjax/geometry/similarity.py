@@ -1,4 +1,4 @@
-"""Similarities of space: the one way from a frame to another, and back."""
+"""Similarities of space, which convert points, planes and directions between frames."""
 
 from typing import Any, NamedTuple
 
@@ -13,13 +13,13 @@ from symjax.geometry.uncertainty import Uncertainty
 class Similarity(NamedTuple):
     """The map x ↦ scale · Qx + shift, with Q orthogonal: a rotation or a rotoreflection.
 
-    A pytree; its methods work on NumPy and on JAX arrays alike. With leading axes it is a batch of maps, one for each
-    point, direction or plane.
+    It is a pytree, and its methods accept NumPy and JAX arrays. With leading axes it is a batch of maps, each of which
+    applies to its own point, direction or plane.
 
     Attributes:
         scale: positive factor.
-        rotation: the matrix Q; None is the identity.
-        shift: image of the origin.
+        rotation: matrix Q; None stands for the identity.
+        shift: image of the origin, in the units of the images.
 
     Example:
         >>> import numpy as np
@@ -35,20 +35,22 @@ class Similarity(NamedTuple):
     shift: Float[AnyArray, "*batch 3"]
 
     def directions(self, directions: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch 3"]:
-        """Images of directions: turned, of the same length."""
+        """Computes the images of directions, which keep their lengths."""
         xp: Any = directions.__array_namespace__()
-        return xp.stack(self._turned(directions), axis=-1)
+        images: Float[AnyArray, "*batch 3"] = xp.stack(self._rotate(directions), axis=-1)
+        return images
 
     def points(self, points: Float[AnyArray, "*batch 3"]) -> Float[AnyArray, "*batch 3"]:
-        """Images of points."""
+        """Computes the images of points."""
         xp: Any = points.__array_namespace__()
-        moved = [self.scale * part + self.shift[..., i] for i, part in enumerate(self._turned(points))]
-        return xp.stack(moved, axis=-1)
+        columns = [self.scale * column + self.shift[..., i] for i, column in enumerate(self._rotate(points))]
+        images: Float[AnyArray, "*batch 3"] = xp.stack(columns, axis=-1)
+        return images
 
-    def _turned(self, vectors: Float[AnyArray, "*batch 3"]) -> list[Float[AnyArray, "*batch"]]:
-        """The components of Q times each vector.
+    def _rotate(self, vectors: Float[AnyArray, "*batch 3"]) -> list[Float[AnyArray, "*batch"]]:
+        """Returns the components of Q times each vector.
 
-        One by one: a matrix product would run in TF32 on a GPU, and no rank is promoted.
+        They are computed one by one: on a GPU, a matrix product would run in TF32. No rank is promoted either.
         """
         x, y, z = (vectors[..., i] for i in range(3))
         q = self.rotation
@@ -57,7 +59,7 @@ class Similarity(NamedTuple):
         return [x * q[..., i, 0] + y * q[..., i, 1] + z * q[..., i, 2] for i in range(3)]
 
     def plane(self, plane: Plane) -> Plane:
-        """Image of a plane; the sign of its normal is kept."""
+        """Computes the image of a plane, and keeps the sign of its normal."""
         normal = self.directions(plane.normal)
         along = normal[..., 0] * self.shift[..., 0]
         along = along + normal[..., 1] * self.shift[..., 1] + normal[..., 2] * self.shift[..., 2]
@@ -66,14 +68,15 @@ class Similarity(NamedTuple):
     def axis(
         self, axis: tuple[Float[AnyArray, " 3"], Float[AnyArray, " 3"]]
     ) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
-        """Image of an axis, given by a point and a direction."""
+        """Computes the image of an axis, which is a point and a direction."""
         point, direction = axis
         return np.asarray(self.points(point)), np.asarray(self.directions(direction))
 
     def uncertainty(self, uncertainty: Uncertainty) -> Uncertainty:
-        """Covariance of the image of an estimated plane.
+        """Computes the uncertainty of the image of an estimated plane.
 
-        If the plane's normal is turned round, turn and offset change sign together, and their covariance stands.
+        The sign of the normal does not matter: if it flips, rotation and shift of the plane flip together, and their
+        covariance stays the same.
         """
         scale = np.array([1.0, 1.0, float(self.scale)])
         return Uncertainty(
@@ -83,8 +86,8 @@ class Similarity(NamedTuple):
         )
 
     def inverse(self) -> "Similarity":
-        """The way back: x ↦ Qᵀ(x − shift)/scale."""
+        """Returns the inverse map, x ↦ Qᵀ(x − shift)/scale."""
         xp: Any = self.shift.__array_namespace__()
-        turned_back = None if self.rotation is None else xp.swapaxes(self.rotation, -1, -2)
-        back = Similarity(1 / self.scale, turned_back, self.shift)
-        return back._replace(shift=xp.stack([-back.scale * part for part in back._turned(self.shift)], axis=-1))
+        transposed = None if self.rotation is None else xp.swapaxes(self.rotation, -1, -2)
+        back = Similarity(1 / self.scale, transposed, self.shift)
+        return back._replace(shift=xp.stack([-back.scale * column for column in back._rotate(self.shift)], axis=-1))

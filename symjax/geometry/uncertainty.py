@@ -1,4 +1,4 @@
-"""How far an estimated plane may be from the true one."""
+"""The uncertainty of an estimated plane: its covariance, standard errors and confidence region."""
 
 from typing import NamedTuple
 
@@ -10,13 +10,24 @@ from symjax.geometry.plane import Plane
 
 
 class Uncertainty(NamedTuple):
-    """Covariance of a plane's estimate, by the sandwich formula of M-estimators (Godambe).
+    """Covariance of an estimated plane, by the sandwich formula of M-estimators (Godambe).
 
     Attributes:
-        covariance: of the turn of the normal along the two `tangents`, in radians, and of the plane's distance from
-            `centre`, in the units of the points.
-        tangents: two unit vectors in the plane, in rows.
-        centre: where the distance is taken: the middle of the cloud, where it is least correlated with the turn.
+        covariance: covariance of three errors: the rotation of the normal towards each of the two `tangents`, in
+            radians, and the shift of the plane at `centre`, in the units of the points.
+        tangents: two orthonormal vectors in the plane, in rows.
+        centre: point at which the shift is measured. It is the middle of the cloud, where the shift is least
+            correlated with the rotation.
+
+    Example:
+        >>> estimate = Plane(np.array([0.0, 0.0, 1.0]), 0.0)
+        >>> uncertainty = Uncertainty(np.diag([1e-4, 1e-4, 4e-4]), np.eye(3)[:2], np.zeros(3))
+        >>> uncertainty.offset
+        0.02
+        >>> uncertainty.contains(estimate, Plane(np.array([0.0, 0.0, 1.0]), 0.05))
+        True
+        >>> uncertainty.contains(estimate, Plane(np.array([0.0, 0.0, 1.0]), 0.06))
+        False
     """
 
     covariance: Float[np.ndarray, "3 3"]
@@ -25,26 +36,26 @@ class Uncertainty(NamedTuple):
 
     @property
     def normal_degrees(self) -> float:
-        """Standard error of the normal: root of the mean squared angle, in degrees."""
+        """Standard error of the normal in degrees: the root mean square of the angle."""
         return float(np.degrees(np.sqrt(np.trace(self.covariance[:2, :2]))))
 
     @property
     def offset(self) -> float:
-        """Standard error of the plane's distance from the centre, in the units of the points."""
+        """Standard error of the plane's position at the centre, in the units of the points."""
         return float(np.sqrt(self.covariance[2, 2]))
 
     def distance(self, estimate: Plane, other: Plane) -> float:
-        """Mahalanobis distance of another plane from the estimate."""
+        """Computes the Mahalanobis distance of another plane from the estimate."""
         sign = np.sign(other.normal @ estimate.normal)
         normal, offset = sign * other.normal, sign * other.offset
-        turn = self.tangents @ normal
+        rotation = self.tangents @ normal
         shift = (offset - normal @ self.centre) - (estimate.offset - estimate.normal @ self.centre)
-        # in standard errors: radians and the points' units differ by any factor
+        # in units of the standard errors, since radians and the units of the points can differ by any factor
         errors = np.sqrt(np.diag(self.covariance))
         errors = np.where(errors > 0, errors, 1.0)
-        step = np.append(turn, shift) / errors
+        step = np.append(rotation, shift) / errors
         return float(np.sqrt(step @ np.linalg.pinv(self.covariance / np.outer(errors, errors)) @ step))
 
     def contains(self, estimate: Plane, other: Plane, *, level: float = 0.95) -> bool:
-        """Whether another plane is in the region that holds the true one with probability `level`."""
+        """Returns whether another plane lies in the confidence region of the given level."""
         return self.distance(estimate, other) ** 2 <= float(chi2.ppf(level, df=3))
