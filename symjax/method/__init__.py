@@ -1,1 +1,1 @@
-"""What a method is, and what it answers: the Protocol that `detect` calls, `MethodResult`, and the stage timer."""
+"""The interface of a method: the Protocol that `detect` calls, the result that it returns, and the stage timer."""

@@ -1,4 +1,4 @@
-"""What `symjax.detect` asks of a method: symjax's own are `Robust` and `SymHKS`; anybody's will do."""
+"""The Protocol that `symjax.detect` expects of a method. `Robust` and `SymHKS` implement it, and so can others."""
 
 from typing import Protocol, runtime_checkable
 
@@ -11,42 +11,45 @@ from symjax.preprocess.cloud import Cloud
 
 @runtime_checkable
 class Method(Protocol):
-    """A way to find the mirror planes of a cloud: best a frozen dataclass of its options.
+    """A method finds the mirror planes of a cloud. It is best written as a frozen dataclass of its options.
 
     Example:
-        A method that answers with the plane x = 0 of the cloud's own frame:
+        A method that always returns the plane x = 0 of the cloud frame:
 
         >>> from dataclasses import dataclass
         >>> from symjax.geometry.plane import Plane
         >>> from symjax.method.result import Candidate
         >>> @dataclass(frozen=True)
-        ... class First:
+        ... class FirstAxis:
         ...     name: str = "first axis"
         ...     drops_outliers: bool = False
         ...     def find(self, cloud, *, max_planes, rng, timer):
         ...         plane = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))
         ...         return MethodResult((Candidate(plane, 1.0, 1.0),), (plane,), "one plane")
-        >>> isinstance(First(), Method)
+        >>> isinstance(FirstAxis(), Method)
         True
     """
 
     @property
     def name(self) -> str:
-        """Name of the method, kept in the detection."""
+        """Name of the method, which is stored in the detection."""
         ...
 
     @property
     def drops_outliers(self) -> bool:
-        """Whether `detect` leaves scattered outliers out first, unless `drop_outliers` is given."""
+        """Default of `drop_outliers`: whether `detect` removes outliers before it calls the method."""
         ...
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
         """Finds the mirror planes of a cloud.
 
         Args:
-            cloud: distinct points in their own frame, in units of their diagonal, with normals if they were given.
-            max_planes: most candidates that `detect` keeps; a method may stop there.
-            rng: generator of everything random.
+            cloud: distinct points in the cloud frame, in units of the diagonal, with normals if they were given.
+            max_planes: largest number of candidates that `detect` keeps; the method may stop there.
+            rng: generator for all random numbers.
             timer: `with timer.stage("name"):` announces and times a stage.
+
+        Returns:
+            Planes and pairs in the cloud frame; `detect` converts them to the units of the given points.
         """
         ...

@@ -1,4 +1,4 @@
-"""What a method finds, in the frame and the units of the cloud: `detect` brings it into those of the given points."""
+"""The result of a method, in the cloud frame; `detect` converts it to the units of the given points."""
 
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, get_args
@@ -12,18 +12,18 @@ from symjax.geometry.uncertainty import Uncertainty
 
 Symmetry = Literal["none", "one plane", "several planes", "axis", "sphere"]
 Axis = tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]
-"""A point and a direction."""
+"""A point on the axis, and its direction."""
 
 
 class Candidate(NamedTuple):
-    """One distinct plane.
+    """A plane that was refined and scored.
 
     Attributes:
         plane: the plane.
-        score: how well the cloud agrees with it; the method says on which scale. 0 to 1 for symjax's own methods.
-        ranking_score: what candidates are ranked by: the score, or the score with what the method adds to it.
-        exactness: how exactly, 0 to 1; None where the method does not compute it, as `Robust` does not for planes far
-            behind the best.
+        score: how well the cloud agrees with the plane. The method defines the scale; `Robust` and `SymHKS` use 0 to 1.
+        ranking_score: score by which candidates are ordered; a method may add further terms to `score`.
+        exactness: score at the finest tolerance, 0 to 1. None if the method did not compute it; `Robust` skips it for
+            planes far behind the best.
     """
 
     plane: Plane
@@ -34,24 +34,32 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MethodResult:
-    """What a method finds in a cloud. Only what a method can say needs to be given.
+    """Planes that a method finds in a cloud, and how it found them. All but the first three fields are optional.
+
+    Lengths are in units of the diagonal, and coordinates are in the cloud frame.
 
     Attributes:
         candidates: distinct planes, the best first; at least one.
-        planes: the mirror planes among the candidates, the best first; of a continuous symmetry, some of them.
-        symmetry: what the mirror planes make up; "none" if there is none.
-        threshold: the score that a mirror plane exceeds; None for a method that has none.
+        planes: mirror planes among the candidates, the best first. Of a continuous symmetry, they are a selection.
+        symmetry: kind of symmetry that the mirror planes form; "none" if there are no mirror planes.
+        threshold: score that a mirror plane must exceed; None if the method has no threshold.
         ambiguous: whether other planes are as good as the first.
         axis: point and direction of the axis of a continuous symmetry.
-        rows: rows of the two points of every pair in the cloud.
-        weight: how well each pair agrees with the first plane, 0 to 1.
-        inlier_weight: weight from which a pair counts as an inlier.
-        inlier_fraction: share of the pairs that are inliers; None for a method without pairs.
-        sigma: scale σ of the residual, in diagonals; None for a method without one.
+        rows: rows in the cloud of the two points of each pair.
+        weight: weight of each pair for the first plane, 0 to 1.
+        inlier_weight: smallest weight of an inlier.
+        inlier_fraction: fraction of the pairs that are inliers; None if the method has no pairs.
+        sigma: scale σ of the residual; None if the method has no scale.
         converged: whether the solver converged.
-        message: how it ended, as a sentence.
-        uncertainty: of the first plane, if the method estimates it.
-        notes: what was found, as sentences.
+        message: how the solver ended, as a sentence.
+        uncertainty: uncertainty of the first plane, if the method estimates it.
+        notes: remarks for the user, as sentences.
+
+    Example:
+        >>> plane = Plane(np.array([1.0, 0.0, 0.0]), 0.0)
+        >>> result = MethodResult((Candidate(plane, score=0.9, ranking_score=0.9),), (plane,), "one plane")
+        >>> result.converged, len(result.rows)
+        (True, 0)
     """
 
     candidates: tuple[Candidate, ...]
@@ -71,8 +79,11 @@ class MethodResult:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raises MethodError for a symmetry that is unknown, or that contradicts `ambiguous`."""
+        """Raises MethodError if the symmetry is unknown, or contradicts `ambiguous`."""
         if self.symmetry not in get_args(Symmetry):
-            raise MethodError(f"symmetry {self.symmetry!r} is unknown: it is one of {', '.join(get_args(Symmetry))}")
+            raise MethodError(f"symmetry {self.symmetry!r} is unknown: choose one of {', '.join(get_args(Symmetry))}")
         if self.ambiguous and self.symmetry in ("none", "one plane"):
-            raise MethodError(f"symmetry {self.symmetry!r} is not ambiguous: other planes as good are several planes")
+            raise MethodError(
+                f"symmetry {self.symmetry!r} contradicts ambiguous=True: if other planes are as good as the first, "
+                "the symmetry is 'several planes', 'axis' or 'sphere'"
+            )

@@ -1,4 +1,4 @@
-"""The stages of a detection: each is announced as it begins and timed."""
+"""A timer of the stages of a detection."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -6,10 +6,10 @@ from time import perf_counter
 
 
 class StageTimer:
-    """Announces stages to `progress` and keeps the seconds that each took, in order.
+    """Announces each stage as it begins, and measures how long it takes.
 
     Attributes:
-        seconds: of every stage that has ended.
+        seconds: duration of each finished stage, in order.
 
     Example:
         >>> timer = StageTimer(print)
@@ -21,17 +21,17 @@ class StageTimer:
     """
 
     def __init__(self, progress: Callable[[str], None] | None = None) -> None:
-        """A timer that has seen no stage.
+        """Creates a timer.
 
         Args:
-            progress: called with the name of every stage as it begins.
+            progress: function that is called with the name of each stage as it begins.
         """
         self.seconds: dict[str, float] = {}
         self._progress = progress
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Times the block under a name."""
+        """Times the `with` block under the given name."""
         if self._progress is not None:
             self._progress(name)
         start = perf_counter()

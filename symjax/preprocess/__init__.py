@@ -1,1 +1,1 @@
-"""From given points to a cloud: checked, in a frame and units of its own, outliers and ground left out, thinned."""
+"""From given points to a cloud: checked, without outliers and ground plane, thinned, and in the cloud frame."""

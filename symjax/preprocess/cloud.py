@@ -1,4 +1,4 @@
-"""The cloud: points checked, in their own frame and units, without duplicates, and thinned where there are too many."""
+"""The cloud that a method gets: checked, in the cloud frame, without duplicates, and thinned if it is too large."""
 
 import warnings
 from typing import Literal, NamedTuple
@@ -10,38 +10,41 @@ from numpy.typing import ArrayLike
 from symjax.errors import DegenerateCloudError, PrecisionWarning
 from symjax.geometry import checks
 from symjax.geometry.similarity import Similarity
-from symjax.preprocess.ground import ground_rows
-from symjax.preprocess.outliers import scattered
-from symjax.preprocess.own_frame import OwnFrame, in_own_frame
-from symjax.preprocess.thinning import distinct, evenly, on_grid
-from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, finite_rows, require
+from symjax.preprocess.cloud_frame import FramedPoints, to_cloud_frame
+from symjax.preprocess.ground import ground_mask
+from symjax.preprocess.outliers import outlier_mask
+from symjax.preprocess.thinning import distinct_rows, grid_subset, random_subset
+from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, check_num_points, finite_rows
 
 MAX_POINTS = 10_000
-"""More points than this are thinned: the plane of 10 000 is more exact than most objects are symmetric."""
+"""Larger clouds are thinned to this many points: 10 000 already give a plane more exactly than most objects are
+symmetric."""
 
 DENSITY_POINTS = 30_000
-"""Points among which outliers are looked for, if no more are to be kept: they are drawn evenly from a larger cloud,
-since a grid would make all densities alike."""
+"""Points in which outliers and the ground plane are sought, unless `max_points` is larger. They are drawn at random
+from a larger cloud, since a grid would make all densities alike."""
 
 FAR_FOR_FLOAT32 = 1e5
+"""Distance from the origin, in extents of the cloud, beyond which float32 points cause a warning."""
 
 
 class Cloud(NamedTuple):
-    """Points in their own frame, in units of their diagonal, in an order of their own; and the way back.
+    """Points in the cloud frame and in a canonical order, and the map back to the given coordinates.
 
-    The frame is the principal one about the mean, each axis turned to where the points reach further (the sign of the
-    third moment). A cloud that was turned, mirrored, moved, scaled or shuffled comes out as the same numbers but for
-    rounding, and so do all answers: a triangulation of overlapping stars, for one, depends on the order of its points.
+    The axes of the cloud frame are the principal axes about the mean, with signs that make the third moments positive.
+    Lengths are in units of the diagonal. If the given points are rotated, reflected, shifted, scaled or permuted, the
+    cloud stays the same up to rounding, and so do all results. The order matters: a triangulation of overlapping
+    stars, for example, depends on it.
 
     Attributes:
-        points: the points, sorted along the first axis.
-        normals: surface normals of the points, of any length and either orientation, if they were given.
-        rows: their row in the given array.
-        to_given: from the cloud's frame and units to those of the given points; `to_given.scale` is the length of the
-            principal box's diagonal, and `to_given.shift` the mean of the points.
-        num_given: rows of the given array.
-        cleaned: whether outliers or a ground plane were left out.
-        notes: what was dropped, merged, thinned or found, as sentences.
+        points: points, sorted along the first axis.
+        normals: surface normals of the points, if they were given, with any nonzero length and either sign.
+        rows: row of each point in the given array.
+        to_given: map from the cloud frame to the given coordinates. `to_given.scale` is the diagonal, and
+            `to_given.shift` is the mean of the points.
+        num_given: number of rows of the given array.
+        cleaned: whether outliers or a ground plane were removed.
+        notes: what was removed, merged or thinned, as sentences.
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -54,7 +57,7 @@ class Cloud(NamedTuple):
 
     @property
     def diagonal(self) -> float:
-        """Length of the diagonal of the cloud's box in its own frame, in the units of the given points."""
+        """Diagonal of the bounding box along the principal axes, in the units of the given points."""
         return float(self.to_given.scale)
 
 
@@ -67,23 +70,36 @@ def prepare(
     drop_outliers: bool = False,
     remove_ground: bool = False,
 ) -> Cloud:
-    """Checks, centres, scales, merges and thins a cloud.
+    """Prepares given points for a method: checks, cleans, centres, scales, merges and thins them.
 
     Args:
-        points: (n, 3) real numbers in any units, anywhere.
-        normals: (n, 3) surface normals, of any length and either orientation.
-        nonfinite: `"raise"`, or `"drop"` rows with NaN or infinity and say so.
-        max_points: larger clouds are thinned to at most this many, deterministically and whatever their pose.
-        drop_outliers: leave out the points that lie in space and not on a surface (see `symjax.preprocess.outliers`),
-            so that frame and scale are those of the surface.
-        remove_ground: leave out the dominant plane that a scan stands on (see `symjax.preprocess.ground`).
+        points: (n, 3) real numbers in any units and at any position.
+        normals: (n, 3) surface normals of any nonzero length and either sign.
+        nonfinite: `"raise"` to raise an error for NaN or infinity, or `"drop"` to remove such points with a note.
+        max_points: largest number of points; larger clouds are thinned, deterministically and independently of their
+            pose.
+        drop_outliers: whether to remove outliers first, so that they do not affect the cloud frame (see
+            `symjax.preprocess.outliers`).
+        remove_ground: whether to remove the plane that a scanned object stands on (see `symjax.preprocess.ground`).
+
+    Returns:
+        The cloud.
 
     Raises:
-        InvalidPointsError: no (n, 3) array of real numbers, or normals that are no normals of these points.
-        NonfiniteError: NaN or infinity, with `nonfinite="raise"`.
-        TooFewPointsError: fewer than 50 distinct points.
-        DegenerateCloudError: the points coincide or lie on one line.
-        InvalidArgumentError: an option is out of its range.
+        InvalidPointsError: if `points` is not an (n, 3) array of real numbers, or `normals` are not normals of these
+            points.
+        NonfiniteError: if a point is NaN or infinite and `nonfinite` is `"raise"`.
+        TooFewPointsError: if fewer than 50 distinct points are left.
+        DegenerateCloudError: if the points coincide or lie on one line.
+        InvalidArgumentError: if an option is out of its range.
+
+    Example:
+        >>> points = np.random.default_rng(0).normal(size=(100, 3)) * [3, 2, 1]
+        >>> cloud = prepare(points)
+        >>> cloud.points.shape
+        (100, 3)
+        >>> np.allclose(cloud.to_given.points(cloud.points), points[cloud.rows])
+        True
     """
     checks.choice("nonfinite", nonfinite, ("raise", "drop"))
     max_points = checks.whole("max_points", max_points, MIN_POINTS)
@@ -92,75 +108,76 @@ def prepare(
     given = as_points(points)
     notes: list[str] = []
     index = finite_rows(given, nonfinite, notes)
-    require(len(index), "points")
-    own = _own_frame_of_cloud(given[index])
-    _warn_of_precision(points, own)
-    rows = np.argsort(own.points[:, 0], kind="stable")
+    check_num_points(len(index), "points")
+    framed = _framed_points(given[index])
+    _warn_about_precision(points, framed)
+    rows = np.argsort(framed.points[:, 0], kind="stable")
     cleaned = False
     if drop_outliers or remove_ground:
         most = max(DENSITY_POINTS, max_points)
         if len(rows) > most:
-            sought = " and ".join(["outliers"] * drop_outliers + ["the ground"] * remove_ground)
-            notes.append(f"the search for {sought} used {most} of {len(rows)} points, drawn evenly")
-        rows = rows[evenly(len(rows), most)]
-        rows = rows[distinct(own.points[rows], notes)]
-        kept = rows[_kept(own.points[rows], notes, drop_outliers=drop_outliers, remove_ground=remove_ground)]
+            sought = " and ".join(["outliers"] * drop_outliers + ["the ground plane"] * remove_ground)
+            notes.append(f"the search for {sought} used a random sample of {most} of the {len(rows)} points")
+        rows = rows[random_subset(len(rows), most)]
+        rows = rows[distinct_rows(framed.points[rows], notes)]
+        kept = rows[_clean_rows(framed.points[rows], notes, drop_outliers=drop_outliers, remove_ground=remove_ground)]
         cleaned = len(kept) < len(rows)
         index = index[kept]
-        require(len(index), "points that are neither outliers nor ground")
-        # once more: the frame and the scale of the surface alone
-        own = _own_frame_of_cloud(given[index])
-        rows = np.argsort(own.points[:, 0], kind="stable")
-    if own.rank == 2:
-        notes.append("the points are coplanar: their own plane is a trivial mirror and is left out")
+        check_num_points(len(index), "points that are neither outliers nor on the ground plane")
+        # outliers and ground plane have changed the frame and the diagonal
+        framed = _framed_points(given[index])
+        rows = np.argsort(framed.points[:, 0], kind="stable")
+    if framed.rank == 2:
+        notes.append("the points are coplanar: their own plane is a trivial mirror plane and is not returned")
     if len(rows) > max_points:
-        rows = rows[on_grid(own.points[rows], max_points)]
+        rows = rows[grid_subset(framed.points[rows], max_points)]
         notes.append(f"thinned from {len(given)} to {len(rows)} points on a grid")
     if not (drop_outliers or remove_ground):
-        rows = rows[distinct(own.points[rows], notes)]
-    require(len(rows), "distinct points")
+        rows = rows[distinct_rows(framed.points[rows], notes)]
+    check_num_points(len(rows), "distinct points")
     of_points = None
     if normals is not None:
-        of_points = np.asarray(own.to_given.inverse().directions(as_normals(normals, given.shape, index[rows])))
-    return Cloud(own.points[rows], of_points, index[rows], own.to_given, len(given), cleaned, tuple(notes))
+        of_points = np.asarray(framed.to_given.inverse().directions(as_normals(normals, given.shape, index[rows])))
+    return Cloud(framed.points[rows], of_points, index[rows], framed.to_given, len(given), cleaned, tuple(notes))
 
 
-def _kept(
+def _clean_rows(
     points: Float[np.ndarray, "n 3"], notes: list[str], *, drop_outliers: bool, remove_ground: bool
 ) -> Int[np.ndarray, " m"]:
-    """Rows of the points that are neither outliers nor ground."""
+    """Finds the rows that are neither outliers nor on the ground plane."""
     rows = np.arange(len(points))
     if drop_outliers:
-        outlier = scattered(points)
-        # so few that a plane could not be looked for are no surface that outliers hide
+        outlier = outlier_mask(points)
+        # fewer points than a cloud needs are no surface hidden among outliers
         outlier &= np.count_nonzero(~outlier) >= MIN_POINTS
-        rows = _without(rows, outlier, "are scattered outliers and were left out", notes)
+        rows = _without(rows, outlier, "are outliers and were removed", notes)
     if remove_ground:
-        rows = _without(rows, ground_rows(points[rows]), "lie on the ground plane and were left out", notes)
+        rows = _without(rows, ground_mask(points[rows]), "lie on the ground plane and were removed", notes)
     return rows
 
 
 def _without(
-    rows: Int[np.ndarray, " n"], dropped: Bool[np.ndarray, " n"], why: str, notes: list[str]
+    rows: Int[np.ndarray, " n"], removed: Bool[np.ndarray, " n"], why: str, notes: list[str]
 ) -> Int[np.ndarray, " m"]:
-    if dropped.any():
-        notes.append(f"{np.count_nonzero(dropped)} of {len(rows)} points {why}")
-    return rows[~dropped]
+    if removed.any():
+        notes.append(f"{np.count_nonzero(removed)} of {len(rows)} points {why}")
+    kept: Int[np.ndarray, " m"] = rows[~removed]
+    return kept
 
 
-def _own_frame_of_cloud(points: Float[np.ndarray, "n 3"]) -> OwnFrame:
-    own = in_own_frame(points)
-    if own.rank < 2:
-        raise DegenerateCloudError(f"the {len(points)} points lie on one line: no mirror plane is defined")
-    return own
+def _framed_points(points: Float[np.ndarray, "n 3"]) -> FramedPoints:
+    framed = to_cloud_frame(points)
+    if framed.rank < 2:
+        raise DegenerateCloudError(f"the {len(points)} points lie on one line, so they define no mirror plane")
+    return framed
 
 
-def _warn_of_precision(points: ArrayLike, own: OwnFrame) -> None:
-    offset = float(np.abs(own.to_given.shift).max())
-    if np.asarray(points).dtype == np.float32 and offset / own.extent > FAR_FOR_FLOAT32:
+def _warn_about_precision(points: ArrayLike, framed: FramedPoints) -> None:
+    distance = float(np.abs(framed.to_given.shift).max()) / framed.extent
+    if np.asarray(points).dtype == np.float32 and distance > FAR_FOR_FLOAT32:
         warnings.warn(
-            f"float32 points {offset / own.extent:.0e} times their extent away from the origin have lost most of "
-            "their digits: subtract their mean before storing them, or use float64",
+            f"the points are float32 and lie {distance:.0e} times their extent from the origin, so most of their "
+            "digits are lost: subtract their mean before storing them, or use float64",
             PrecisionWarning,
             stacklevel=4,
         )

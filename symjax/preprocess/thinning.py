@@ -1,4 +1,4 @@
-"""Fewer points of a cloud: thinned on a grid, drawn evenly, or with coincident points merged."""
+"""Subsets of a cloud: thinned on a grid, drawn at random, or without coincident points."""
 
 import warnings
 
@@ -8,25 +8,36 @@ from jaxtyping import Float, Int
 from symjax.errors import DuplicatePointsWarning
 
 COINCIDENT = 1e-9
-"""Points closer than about this share of the diagonal count as one."""
+"""Points count as one if they are closer than about this fraction of the diagonal."""
 
-PERCENT_WORTH_A_WARNING = 1.0
-"""Share of merged points, in per cent, above which a warning is given."""
+WARNING_PERCENTAGE = 1.0
+"""Percentage of merged points above which a warning is issued."""
 
 
-def evenly(count: int, most: int) -> Int[np.ndarray, " m"]:
-    """At most `most` of the numbers below `count`, drawn with a fixed seed: an even draw keeps relative densities."""
+def random_subset(count: int, most: int) -> Int[np.ndarray, " m"]:
+    """Draws at most `most` of `count` rows with a fixed seed.
+
+    Relative densities are the same in the subset; `grid_subset` changes them.
+
+    Returns:
+        Rows, ascending.
+    """
     if count <= most:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def on_grid(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray, " m"]:
-    """Rows of one point a grid cell, the nearest to its centre: the finest cells that leave at most `max_points`.
+def grid_subset(points: Float[np.ndarray, "n 3"], max_points: int) -> Int[np.ndarray, " m"]:
+    """Keeps one point per grid cell, the one nearest to the centre of the cell.
+
+    The cells are the finest ones, found by bisection, that leave at most `max_points` points.
 
     Args:
-        points: a cloud in its own frame, in units of its diagonal, so that the grid turns and mirrors with the cloud.
-        max_points: most rows.
+        points: points in the cloud frame, so that the grid rotates and reflects with the cloud.
+        max_points: largest number of points to keep.
+
+    Returns:
+        Rows of the points that are kept, ascending.
     """
     fine, coarse = 1e-4, 1.0
     for _ in range(12):
@@ -47,12 +58,15 @@ def _cells(points: Float[np.ndarray, "n 3"], size: float) -> Int[np.ndarray, " n
     return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
 
 
-def distinct(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarray, " m"]:
-    """Rows of the distinct points, in order; what was merged is noted, and warned of if it is much.
+def distinct_rows(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarray, " m"]:
+    """Keeps the first of each set of coincident points; warns if they are more than 1 % of the points.
 
     Args:
-        points: a cloud in units of its diagonal.
-        notes: a sentence is added to them.
+        points: points in units of the diagonal.
+        notes: list to which a sentence is added if points were merged.
+
+    Returns:
+        Rows of the points that are kept, ascending.
     """
     keys = np.round(points / COINCIDENT).astype(np.int64)
     order = np.lexsort((np.arange(len(keys)), keys[:, 2], keys[:, 1], keys[:, 0]))
@@ -60,6 +74,6 @@ def distinct(points: Float[np.ndarray, "n 3"], notes: list[str]) -> Int[np.ndarr
     merged = int(np.count_nonzero(~new))
     if merged:
         notes.append(f"{merged} of {len(points)} points coincide with others and were merged")
-    if 100 * merged > PERCENT_WORTH_A_WARNING * len(points):
+    if 100 * merged > WARNING_PERCENTAGE * len(points):
         warnings.warn(notes[-1], DuplicatePointsWarning, stacklevel=4)
     return np.sort(order[new])

@@ -1,4 +1,4 @@
-"""The points as they are given, checked."""
+"""Checks of the given points and normals."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -7,23 +7,24 @@ from numpy.typing import ArrayLike
 from symjax.errors import InvalidPointsError, NonfiniteError, TooFewPointsError
 
 MIN_POINTS = 50
-"""Fewer points carry no spectrum worth the name; pairs alone can still be fitted."""
+"""Fewer points have no meaningful spectrum; pairs can still be fitted."""
 
 
 def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
-    """The points as an (n, 3) float64 array.
+    """Converts points to an (n, 3) float64 array.
 
     Raises:
-        InvalidPointsError: ragged, of another type than real numbers, or of another shape.
+        InvalidPointsError: if the rows differ in length, or the array has another shape or is not of real numbers.
+        TooFewPointsError: if there are no points.
     """
     try:
         array = np.asarray(points)
     except ValueError as error:
-        raise InvalidPointsError("points must be an (n, 3) array; these rows differ in length") from error
+        raise InvalidPointsError("points must be an (n, 3) array, but the rows differ in length") from error
     if array.dtype.kind not in "fiu":
         raise InvalidPointsError(f"points must be real numbers, not {array.dtype}: convert them to float first")
     if array.size == 0:
-        raise TooFewPointsError(f"points is empty (shape {array.shape}); at least {MIN_POINTS} are needed")
+        raise TooFewPointsError(f"points is empty (shape {array.shape}): at least {MIN_POINTS} points are needed")
     if array.ndim != 2 or array.shape[1] != 3:
         hint = ""
         if array.ndim == 2 and array.shape[0] == 3:
@@ -31,30 +32,36 @@ def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
         elif array.ndim == 2 and array.shape[1] > 3:
             hint = ": pass the coordinates only (points[:, :3])"
         elif array.ndim == 2 and array.shape[1] == 2:
-            hint = ": two coordinates are no 3D cloud; add a third column"
+            hint = ": add a third column for the z coordinate"
         raise InvalidPointsError(f"points must have shape (n, 3), not {array.shape}{hint}")
     return array.astype(float)
 
 
-def require(count: int, what: str) -> None:
-    """Raises TooFewPointsError for a cloud too small for a plane."""
+def check_num_points(count: int, what: str) -> None:
+    """Raises TooFewPointsError if there are fewer than `MIN_POINTS` points."""
     if count < MIN_POINTS:
         raise TooFewPointsError(
             f"{count} {what} are too few: at least {MIN_POINTS} are needed. "
-            "If you know which points mirror each other, fit the pairs with symjax.fit_plane(x, y, sigma)"
+            "If you know pairs of mirrored points, fit a plane to them with symjax.fit_plane(x, y, sigma)"
         )
 
 
 def finite_rows(
     points: Float[np.ndarray, "n d"], nonfinite: str, notes: list[str], *, noun: str = "points"
 ) -> Int[np.ndarray, " m"]:
-    """Rows without NaN and infinity; with `nonfinite="raise"`, NonfiniteError if that is not all of them.
+    """Finds the rows without NaN and infinity.
 
     Args:
-        points: one a row.
-        nonfinite: `"raise"`, or `"drop"`.
-        notes: a sentence is added to them if rows are dropped.
-        noun: what the rows are.
+        points: one point or pair per row.
+        nonfinite: `"raise"` to raise an error if there are other rows, `"drop"` to ignore them.
+        notes: list to which a sentence is added if rows are dropped.
+        noun: name of the rows in messages.
+
+    Returns:
+        The finite rows, ascending.
+
+    Raises:
+        NonfiniteError: if a row is not finite and `nonfinite` is `"raise"`.
     """
     finite = np.isfinite(points).all(axis=1)
     bad = int(len(points) - np.count_nonzero(finite))
@@ -69,27 +76,30 @@ def finite_rows(
 
 
 def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray, " m"]) -> Float[np.ndarray, "m 3"]:
-    """The normals of some rows of the points, as float64.
+    """Converts normals to float64, and selects those of the points that are used.
 
     Args:
-        normals: one for every given point.
-        shape: of the array of the given points.
-        rows: the rows that are used.
+        normals: one normal per given point.
+        shape: shape of the array of the given points.
+        rows: rows of the points that are used.
 
     Raises:
-        InvalidPointsError: ragged, of another type or shape, or one of those that are used is zero, NaN or infinite.
+        InvalidPointsError: if the rows differ in length, the array has another shape or is not of real numbers, or a
+            selected normal is zero, NaN or infinite.
     """
     try:
         array = np.asarray(normals)
     except ValueError as error:
-        raise InvalidPointsError("normals are ragged: give as many rows of three numbers as points") from error
-    if array.shape != shape or array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"normals must be real numbers of shape {shape}, as the points, not {array.shape}")
-    array = array[rows].astype(float)
-    bad = ~np.isfinite(array).all(axis=1) | (np.abs(array).max(axis=1) == 0)
+        raise InvalidPointsError(f"normals must be an array of shape {shape}, but the rows differ in length") from error
+    if array.dtype.kind not in "fiu":
+        raise InvalidPointsError(f"normals must be real numbers, not {array.dtype}")
+    if array.shape != shape:
+        raise InvalidPointsError(f"normals must have the shape of the points, {shape}, not {array.shape}")
+    used: Float[np.ndarray, "m 3"] = array[rows].astype(float)
+    bad = ~np.isfinite(used).all(axis=1) | (np.abs(used).max(axis=1) == 0)
     if bad.any():
         raise InvalidPointsError(
             f"{int(bad.sum())} normals are zero, NaN or infinite, the first at index {int(rows[bad].min())}: "
-            "leave normals out and they are estimated"
+            "correct them, or omit `normals` to have them estimated"
         )
-    return array
+    return used

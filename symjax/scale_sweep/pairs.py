@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from symjax.errors import TooFewPointsError
 from symjax.preprocess.cloud import prepare
-from symjax.preprocess.own_frame import in_own_frame
+from symjax.preprocess.cloud_frame import to_cloud_frame
 from symjax.preprocess.validation import finite_rows
 from symjax.symhks.correspondences import MIN_PAIRS, correspondences
 from symjax.symhks.method import SymHKS
@@ -75,5 +75,5 @@ def given_pairs(
     if len(rows) < MIN_PAIRS:
         raise TooFewPointsError(f"{len(rows)} pairs are too few: at least {MIN_PAIRS} are needed to fit a plane")
     x, y = x[rows], y[rows]
-    to_given = in_own_frame(np.concatenate([x, y]), "points of the pairs").to_given
+    to_given = to_cloud_frame(np.concatenate([x, y]), "points of the pairs").to_given
     return SweepPairs(x, y, np.asarray(to_given.shift), float(to_given.scale), (f"{len(x)} pairs given", *notes))

@@ -45,7 +45,7 @@ def test_no_more_candidates_and_planes_are_kept_than_asked_for(cloud, most):
 
 
 def test_a_result_that_contradicts_itself_is_refused():
-    with pytest.raises(MethodError, match="'one plane' is not ambiguous"):
+    with pytest.raises(MethodError, match="'one plane' contradicts ambiguous=True"):
         MethodResult(CANDIDATES, AXES[:1], "one plane", ambiguous=True)
     with pytest.raises(MethodError, match="'plane' is unknown"):
         MethodResult(CANDIDATES, AXES[:1], "plane")

@@ -1,4 +1,4 @@
-"""Frames of a surface are orthonormal, and their normals are those of the surface."""
+"""Local frames are orthonormal, and their normals are those of the surface."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ def test_tangent_frames_are_orthonormal(rng):
     np.testing.assert_array_equal([tangent_frames(normal) for normal in normals], frames)
 
 
-def test_neighbours_on_a_plane_have_its_normal_and_no_scatter_along_it(rng):
+def test_neighbours_on_a_plane_have_its_normal_and_no_variance_along_it(rng):
     normal = np.array([0.6, 0.0, 0.8])
     points = rng.normal(size=(30, 2)) @ tangent_frames(normal).T + 5 * normal
     neighbours = rng.integers(30, size=(7, 12))

@@ -39,7 +39,7 @@ def test_matrix_is_the_reflection_with_determinant_minus_one(rng, xp):
 
 @pytest.mark.any_precision
 @pytest.mark.parametrize("xp", [np, jnp], ids=["numpy", "jax"])
-def test_directions_are_mirrored_as_differences_of_points(rng, xp):
+def test_directions_are_reflected_like_differences_of_points(rng, xp):
     plane, points = Plane(*map(xp.asarray, planes(rng))), xp.asarray(rng.normal(size=(2, 10, 3)))
     apart = plane.reflect(points[1]) - plane.reflect(points[0])
     rounding = 20 * np.finfo(points.dtype).eps

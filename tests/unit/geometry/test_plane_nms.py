@@ -1,4 +1,4 @@
-"""Non-maximum suppression keeps the best of planes that are near each other, and all that are not."""
+"""Non-maximum suppression keeps the best of the planes that are near each other, and all other planes."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -24,18 +24,18 @@ def test_the_first_of_near_planes_is_kept_whatever_the_sign_of_its_normal():
     assert kept.tolist() == [1, 3]
 
 
-def test_parallel_planes_far_apart_are_two():
+def test_parallel_planes_far_apart_are_both_kept():
     all_planes = planes(tilted(0, 0.1), tilted(180, 0.1), tilted(180, -0.1))
     assert suppress(all_planes, np.arange(3), angle=5.0, offset=0.02, most=3).tolist() == [0, 1]
 
 
-def test_no_more_than_asked_are_kept():
+def test_no_more_planes_than_requested_are_kept():
     many = planes(*(tilted(angle) for angle in range(0, 180, 10)))
     assert suppress(many, np.arange(18), angle=5.0, offset=0.02, most=4).tolist() == [0, 1, 2, 3]
     assert len(suppress(many, np.arange(18), angle=5.0, offset=0.02, most=50)) == 18
 
 
-def test_what_is_kept_is_apart_and_what_is_dropped_is_near_something_better(rng):
+def test_kept_planes_are_far_apart_and_the_others_are_near_a_better_one(rng):
     normals = rng.normal(size=(300, 3))
     some = Plane(normals / np.linalg.norm(normals, axis=1, keepdims=True), rng.uniform(-0.1, 0.1, 300))
     order = rng.permutation(300)
@@ -53,7 +53,7 @@ def test_what_is_kept_is_apart_and_what_is_dropped_is_near_something_better(rng)
 
 @pytest.mark.parametrize(("degrees", "offset", "same"), [(3.9, 0.019, True), (4.1, 0.0, False), (0.0, 0.021, False)])
 @pytest.mark.parametrize("xp", [np, jnp])
-def test_planes_are_near_within_both_limits_whatever_the_sign(xp, degrees, offset, same):
+def test_near_planes_are_within_both_limits_for_either_sign(xp, degrees, offset, same):
     both = planes(tilted(degrees, offset), tilted(degrees + 180, -offset))
     first = Plane(xp.asarray([1.0, 0.0, 0.0]), xp.asarray(0.0))
     found = near(Plane(*(xp.asarray(part) for part in both)), first, angle=4.0, offset=0.02)

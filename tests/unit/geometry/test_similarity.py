@@ -1,4 +1,4 @@
-"""A similarity moves points, directions and planes alike, and its inverse leads back."""
+"""A similarity maps points, directions and planes consistently, and its inverse maps them back."""
 
 import jax
 import jax.numpy as jnp
@@ -32,7 +32,7 @@ def test_points_on_a_plane_stay_on_it(similarity, rng):
     np.testing.assert_allclose(after, similarity.scale * before, atol=1e-12)
 
 
-def test_mirroring_and_moving_commute(similarity, rng):
+def test_reflection_commutes_with_the_map(similarity, rng):
     plane = Plane(np.array([0.6, 0.0, -0.8]), np.float64(0.7))
     points = rng.normal(size=(20, 3))
     moved = similarity.plane(plane).reflect(similarity.points(points))
@@ -47,7 +47,7 @@ def test_distances_are_scaled_and_directions_keep_their_length(similarity, rng):
     np.testing.assert_allclose(np.linalg.norm(step), np.linalg.norm(points[1] - points[0]), rtol=1e-12)
 
 
-def test_an_axis_moves_with_its_points(similarity, rng):
+def test_an_axis_is_mapped_like_its_points(similarity, rng):
     point, direction = rng.normal(size=(2, 3))
     moved_point, moved_direction = similarity.axis((point, direction))
     np.testing.assert_allclose(moved_point, similarity.points(point), atol=1e-12)
@@ -55,7 +55,7 @@ def test_an_axis_moves_with_its_points(similarity, rng):
     np.testing.assert_allclose(similarity.scale * moved_direction, further - moved_point, atol=1e-12)
 
 
-def test_the_inverse_leads_back(similarity, rng):
+def test_the_inverse_maps_back(similarity, rng):
     points = rng.normal(size=(20, 3))
     np.testing.assert_allclose(similarity.inverse().points(similarity.points(points)), points, atol=1e-12)
     plane = Plane(np.array([0.0, 1.0, 0.0]), np.float64(-2.0))
@@ -63,7 +63,7 @@ def test_the_inverse_leads_back(similarity, rng):
     np.testing.assert_allclose(np.append(back.normal, back.offset), [0, 1, 0, -2], atol=1e-12)
 
 
-def test_a_batch_moves_every_point_by_its_own_map(rng):
+def test_a_batch_maps_each_point_by_its_own_similarity(rng):
     batch = some(rng, batch=(5,))
     points = rng.normal(size=(5, 3))
     expected = [Similarity(*(leaf[i] for leaf in batch)).points(points[i]) for i in range(5)]
@@ -71,7 +71,7 @@ def test_a_batch_moves_every_point_by_its_own_map(rng):
     np.testing.assert_allclose(batch.inverse().points(batch.points(points)), points, atol=1e-12)
 
 
-def test_a_covariance_moves_as_the_estimates_do(rng):
+def test_a_covariance_is_mapped_like_the_estimates(rng):
     similarity = some(rng)
     truth = Plane(np.array([0.0, 0.0, 1.0]), np.float64(0.2))
     spread = Uncertainty(np.diag([1e-4, 2e-4, 4e-4]), np.eye(3)[:2], np.array([0.5, 0.1, 0.2]))
@@ -81,7 +81,7 @@ def test_a_covariance_moves_as_the_estimates_do(rng):
     assert distance == pytest.approx(spread.distance(truth, other), rel=1e-9)
 
 
-def test_it_goes_through_jax(similarity, rng):
+def test_it_can_be_traced_by_jax(similarity, rng):
     points = rng.normal(size=(20, 3))
     traced = jax.jit(lambda s, x: s.inverse().points(s.points(x)))(jax.tree.map(jnp.asarray, similarity), points)
     np.testing.assert_allclose(traced, points, atol=1e-12)

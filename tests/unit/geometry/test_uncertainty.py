@@ -1,4 +1,4 @@
-"""The region that an uncertainty spans holds the truth as often as it says, in any units and with any sign."""
+"""The confidence region contains the truth as often as its level says, in any units and for either sign."""
 
 import numpy as np
 import pytest
@@ -28,10 +28,10 @@ def uncertainty(truth):
 
 
 def draws(truth, uncertainty, count, rng):
-    """Planes whose turn along the tangents, and shift at the centre, have the planted covariance."""
+    """Planes whose rotation towards the tangents, and shift at the centre, have the planted covariance."""
     steps = rng.multivariate_normal(np.zeros(3), uncertainty.covariance, size=count, method="cholesky")
     for step in steps:
-        # the inverse of the chart: a normal whose components along the tangents are the turn
+        # the inverse of the chart: a normal whose components along the tangents are the rotation
         turn = step[:2] @ uncertainty.tangents
         normal = turn + np.sqrt(1 - turn @ turn) * truth.normal
         shift = truth.offset - truth.normal @ uncertainty.centre + step[2]
@@ -39,7 +39,7 @@ def draws(truth, uncertainty, count, rng):
 
 
 @pytest.mark.parametrize("level", [0.5, 0.95])
-def test_the_region_holds_as_many_draws_as_it_says(truth, uncertainty, rng, level):
+def test_the_region_contains_the_truth_at_its_level(truth, uncertainty, rng, level):
     inside = [uncertainty.contains(truth, plane, level=level) for _, plane in draws(truth, uncertainty, 2_000, rng)]
     assert abs(np.mean(inside) - level) < 4 * np.sqrt(level * (1 - level) / 2_000)
 
@@ -53,7 +53,7 @@ def test_the_distance_is_mahalanobis(truth, uncertainty, rng):
     assert kstest(np.square(found), chi2(df=3).cdf).pvalue > 1e-3
 
 
-def test_the_estimate_is_at_no_distance_from_itself_and_far_planes_are_outside(truth, uncertainty):
+def test_the_estimate_is_at_distance_zero_from_itself_and_far_planes_are_outside(truth, uncertainty):
     assert uncertainty.distance(truth, truth) < 1e-9
     assert uncertainty.contains(truth, truth, level=0.01)
     assert not uncertainty.contains(truth, Plane(truth.normal, truth.offset + 0.1))
@@ -70,7 +70,7 @@ def test_the_sign_of_a_plane_does_not_matter(truth, uncertainty, rng):
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e3])
-def test_units_and_place_do_not_matter(truth, uncertainty, rng, scale):
+def test_units_and_position_do_not_matter(truth, uncertainty, rng, scale):
     move = np.array([10.0, -20.0, 5.0]) * scale
 
     def there(plane):
@@ -86,7 +86,7 @@ def test_units_and_place_do_not_matter(truth, uncertainty, rng, scale):
     assert moved.offset == pytest.approx(scale * uncertainty.offset)
 
 
-def test_standard_errors_are_the_scatter_of_the_draws(truth, uncertainty, rng):
+def test_standard_errors_are_the_standard_deviations_of_the_draws(truth, uncertainty, rng):
     angles, shifts = [], []
     for step, plane in draws(truth, uncertainty, 4_000, rng):
         angles.append(plane.angle(truth))
@@ -95,7 +95,7 @@ def test_standard_errors_are_the_scatter_of_the_draws(truth, uncertainty, rng):
     assert uncertainty.offset == pytest.approx(np.std(shifts), rel=0.05)
 
 
-def test_other_tangents_with_their_own_covariance_are_the_same_region(truth, uncertainty, rng):
+def test_other_tangents_with_their_own_covariance_define_the_same_region(truth, uncertainty, rng):
     turn = np.array([[0.6, 0.8], [-0.8, 0.6]])
     whole = np.eye(3)
     whole[:2, :2] = turn

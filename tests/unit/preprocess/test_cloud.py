@@ -1,4 +1,4 @@
-"""What bad input gets, and that a prepared cloud does not depend on units, place, pose or order."""
+"""Bad points raise typed errors; a prepared cloud does not depend on units, position, pose or order."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def rotation(rng):
         (np.zeros((100, 3)), DegenerateCloudError, "coincide"),
     ],
 )
-def test_bad_points_get_a_typed_error_that_says_what_to_do(points, error, words):
+def test_bad_points_raise_a_typed_error_that_says_what_to_do(points, error, words):
     with pytest.raises(error, match=words) as caught:
         prepare(points)
     assert isinstance(caught.value, SymjaxError)
@@ -72,7 +72,7 @@ def test_nonfinite_points_are_refused_with_their_count_or_dropped_on_request(rng
         prepare(points, nonfinite="ignore")
 
 
-def test_the_way_back_is_exact(rng):
+def test_the_map_back_is_exact(rng):
     points = blob(rng) + 5.0
     cloud = prepare(points)
     back = cloud.to_given.points(cloud.points)
@@ -90,7 +90,7 @@ def test_units_do_not_matter(rng, scale):
 
 
 @pytest.mark.parametrize("handedness", [1.0, -1.0])
-def test_place_pose_and_order_do_not_matter(rng, handedness):
+def test_position_pose_and_order_do_not_matter(rng, handedness):
     points = blob(rng)
     turn, shift = rotation(rng), rng.normal(size=3) * 1e6
     turn *= np.sign(np.linalg.det(turn)) * handedness
@@ -101,14 +101,14 @@ def test_place_pose_and_order_do_not_matter(rng, handedness):
     np.testing.assert_allclose(cloud.diagonal, reference.diagonal, rtol=1e-9)
 
 
-def test_thinning_is_bounded_even_and_turns_with_the_cloud(rng):
+def test_thinning_is_bounded_and_equivariant(rng):
     points = blob(rng, 4 * MAX_POINTS)
     turn, order = rotation(rng), rng.permutation(len(points))
     cloud, turned = prepare(points), prepare((points @ turn.T)[order])
     assert 0.5 * MAX_POINTS < len(cloud.points) <= MAX_POINTS
     assert any("thinned" in note for note in cloud.notes)
     same = np.intersect1d(cloud.rows, order[turned.rows])
-    # only points on a cell's rounding-thin border may change sides
+    # only points within rounding of the border of a cell may change cells
     assert len(same) > 0.999 * len(cloud.rows)
 
 
@@ -124,13 +124,13 @@ def test_duplicates_are_merged_and_original_rows_kept(rng):
     assert "3 points coincide" in few.notes[0]
 
 
-def test_coplanar_points_are_accepted_and_said_so(rng):
+def test_coplanar_points_are_accepted_with_a_note(rng):
     flat = blob(rng)
     flat[:, 1] = 2.0
     assert any("coplanar" in note for note in prepare(flat).notes)
 
 
-def test_float32_far_from_the_origin_is_warned_about(rng):
+def test_float32_far_from_the_origin_causes_a_warning(rng):
     near = blob(rng, 60).astype(np.float32)
     prepare(near)
     with pytest.warns(PrecisionWarning, match="float32"):

@@ -1,4 +1,4 @@
-"""Outliers strewn over space are dropped, and a surface, whole, cut, seen from one side or noisy, loses nothing."""
+"""Uniform outliers are removed; a surface that is whole, cut, noisy or scanned from one side loses very few points."""
 
 import re
 from functools import cache
@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from symjax.datasets import add_noise, add_outliers, generate, pose, remove_part, scan
 from symjax.datasets.sample import random_orthogonal
 from symjax.preprocess.cloud import DENSITY_POINTS, prepare
-from symjax.preprocess.outliers import otsu_threshold, scattered
+from symjax.preprocess.outliers import otsu_threshold, outlier_mask
 
 KINDS = ["chair", "quadruped", "human", "aeroplane", "tree", "table", "spectacles", "ring", "ball"]
 NUM = 3_000
@@ -26,7 +26,7 @@ def spacing(points):
 
 
 @pytest.mark.parametrize("shape", ["two peaks", "one peak", "skewed", "even"])
-def test_otsus_threshold_parts_values_with_the_least_variance_within(rng, shape):
+def test_otsus_threshold_minimises_the_variance_within_the_classes(rng, shape):
     values = {
         "two peaks": np.concatenate([rng.normal(0, 1, 900), rng.normal(6, 0.5, 300)]),
         "one peak": rng.normal(size=1_000),
@@ -43,7 +43,7 @@ def test_otsus_threshold_parts_values_with_the_least_variance_within(rng, shape)
     assert within(otsu_threshold(values, num_bins=1_024)) < 1.001 * brute
 
 
-def test_otsus_threshold_lies_between_two_heaps_and_moves_with_the_values(rng):
+def test_otsus_threshold_lies_between_two_clusters_and_is_equivariant(rng):
     values = np.concatenate([rng.uniform(0, 1, 500), rng.uniform(5, 6, 20)])
     threshold = otsu_threshold(values)
     assert 1 <= threshold + 1e-12 < 5
@@ -51,36 +51,36 @@ def test_otsus_threshold_lies_between_two_heaps_and_moves_with_the_values(rng):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_nothing_is_taken_from_a_surface_whole_cut_or_noisy(kind):
+def test_a_whole_cut_or_noisy_surface_loses_nothing(kind):
     points = object_of(kind)
-    assert not scattered(points).any()
-    assert not scattered(remove_part(points, 0.28, 2)[0]).any()
+    assert not outlier_mask(points).any()
+    assert not outlier_mask(remove_part(points, 0.28, 2)[0]).any()
     for level in (0.005, 0.01):
-        assert scattered(add_noise(points, level, 3)).mean() < 0.01
+        assert outlier_mask(add_noise(points, level, 3)).mean() < 0.01
 
 
 @pytest.mark.parametrize("kind", ["chair", "sofa", "jug", "bird", "ball", "three_axis_ellipsoid"])
-def test_nothing_is_taken_from_a_scan_whose_hull_is_half_empty(kind):
+def test_a_scan_with_a_half_empty_hull_loses_nothing(kind):
     points = pose(generate(kind, num_points=1_500, rng=0), 0).points
     for seed in (0, 1):
-        assert scattered(scan(points, seed)[0]).mean() < 0.01
+        assert outlier_mask(scan(points, seed)[0]).mean() < 0.01
 
 
 @pytest.mark.parametrize(
     ("kind", "seed", "num_points", "noise"),
     [("desk", 0, 2_000, 0.0), ("vase", 0, 3_000, 0.0), ("bowl", 2, 1_500, 0.005), ("jug", 2, 3_000, 0.01)],
 )
-def test_nothing_is_taken_from_a_small_hollow_or_noisy_surface(kind, seed, num_points, noise):
+def test_a_small_hollow_or_noisy_surface_loses_nothing(kind, seed, num_points, noise):
     points = pose(generate(kind, num_points=num_points, rng=seed), seed).points
-    assert scattered(add_noise(points, noise, seed)).mean() < 0.01
+    assert outlier_mask(add_noise(points, noise, seed)).mean() < 0.01
 
 
 @pytest.mark.parametrize("alpha", [0.2, 0.6, 1.0])
 @pytest.mark.parametrize("kind", ["chair", "quadruped", "human", "aeroplane", "tree", "table", "spectacles"])
-def test_most_outliers_go_and_the_surface_stays(kind, alpha):
+def test_most_outliers_are_removed_and_the_surface_is_kept(kind, alpha):
     surface = object_of(kind)
     points = add_outliers(surface, alpha, 5)
-    dropped = scattered(points)
+    dropped = outlier_mask(points)
     far = cKDTree(surface).query(points)[0] > 3 * spacing(surface)
     assert dropped[NUM:].mean() > 0.7
     assert dropped[far].mean() > 0.97
@@ -88,16 +88,16 @@ def test_most_outliers_go_and_the_surface_stays(kind, alpha):
 
 
 @pytest.mark.parametrize("kind", ["chair", "quadruped", "human", "spectacles"])
-def test_three_outliers_a_point_go_too(kind):
+def test_three_outliers_per_point_are_removed_too(kind):
     points = add_outliers(object_of(kind), 3.0, 5)
-    dropped = scattered(points)
+    dropped = outlier_mask(points)
     assert dropped[NUM:].mean() > 0.75
     assert dropped[:NUM].mean() < 0.05
 
 
 def test_more_outliers_do_not_hide_each_other():
     surface = object_of("quadruped")
-    left = [np.count_nonzero(~scattered(add_outliers(surface, alpha, 5))[NUM:]) / NUM for alpha in (0.2, 1.0, 3.0)]
+    left = [np.count_nonzero(~outlier_mask(add_outliers(surface, alpha, 5))[NUM:]) / NUM for alpha in (0.2, 1.0, 3.0)]
     assert left[0] < 0.06
     assert left[1] < 0.25
     assert left[2] < 0.75
@@ -106,59 +106,59 @@ def test_more_outliers_do_not_hide_each_other():
 @pytest.mark.parametrize("change", ["rotation", "reflection", "scale", "shift", "order"])
 def test_pose_units_and_order_do_not_matter(rng, change):
     points = add_outliers(object_of("quadruped"), 1.0, 5)
-    dropped = scattered(points)
+    dropped = outlier_mask(points)
     if change == "order":
         order = rng.permutation(len(points))
-        same = scattered(points[order]) == dropped[order]
+        same = outlier_mask(points[order]) == dropped[order]
     else:
         turn = random_orthogonal(rng, reflect=change == "reflection") if "tion" in change else np.eye(3)
         scale = 1e-6 if change == "scale" else 1.0
         shift = rng.normal(size=3) * 1e3 if change == "shift" else np.zeros(3)
-        same = scattered(scale * points @ turn.T + shift) == dropped
+        same = outlier_mask(scale * points @ turn.T + shift) == dropped
     assert same.mean() > 0.998
 
 
 def test_one_point_far_away_is_dropped_and_no_other(rng):
     points = object_of("mug")
     for far in ([30.0, 0.0, 0.0], [1e6, -1e6, 1e6]):
-        dropped = scattered(np.vstack([points, points.mean(axis=0) + far]))
+        dropped = outlier_mask(np.vstack([points, points.mean(axis=0) + far]))
         assert dropped[-1]
         assert dropped.sum() == 1
 
 
-def test_scatter_without_a_surface_is_left_alone(rng):
-    # there is no denser part that it could be told from
-    assert scattered(rng.uniform(size=(NUM, 3))).mean() < 0.01
+def test_uniform_points_without_a_surface_are_kept(rng):
+    # no denser part could be the surface
+    assert outlier_mask(rng.uniform(size=(NUM, 3))).mean() < 0.01
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 12, 13, 14, 40])
 def test_few_points_do_not_raise(rng, count):
-    assert scattered(rng.normal(size=(count, 3))).shape == (count,)
+    assert outlier_mask(rng.normal(size=(count, 3))).shape == (count,)
 
 
-def test_a_dozen_points_are_too_few_to_tell(rng):
-    assert not scattered(rng.normal(size=(12, 3))).any()
+def test_a_dozen_points_are_too_few_for_outliers(rng):
+    assert not outlier_mask(rng.normal(size=(12, 3))).any()
 
 
 def test_flat_clouds_grids_lines_and_doubled_points_lose_nothing(rng):
     flat = np.c_[rng.normal(size=(500, 2)), np.zeros(500)]
     grid = np.stack(np.meshgrid(np.arange(20.0), np.arange(20.0), [0.0]), axis=-1).reshape(-1, 3)
     line = np.outer(np.arange(50.0), [1, 2, 3])
-    assert not scattered(grid).any()
-    assert not scattered(line).any()
-    assert scattered(flat).mean() < 0.02
+    assert not outlier_mask(grid).any()
+    assert not outlier_mask(line).any()
+    assert outlier_mask(flat).mean() < 0.02
     ball = object_of("ball")
-    assert not scattered(np.vstack([ball, ball])).any()
+    assert not outlier_mask(np.vstack([ball, ball])).any()
 
 
-def test_what_is_left_out_is_said(rng):
+def test_a_note_counts_the_removed_outliers_and_the_points_searched(rng):
     ball = rng.normal(size=(DENSITY_POINTS + 2_000, 3))
     ball /= np.linalg.norm(ball, axis=1, keepdims=True)
     outliers = 1.2 * ball[:100] * rng.uniform(1, 2, size=(100, 1))
     cloud = prepare(np.concatenate([ball, outliers]), max_points=40_000, drop_outliers=True)
     assert cloud.cleaned
-    assert re.fullmatch(r"\d+ of 32100 points are scattered outliers and were left out", cloud.notes[0])
-    both = ("outliers and the ground", True, True)
-    for sought, drop, ground in (("outliers", True, False), ("the ground", False, True), both):
+    assert re.fullmatch(r"\d+ of 32100 points are outliers and were removed", cloud.notes[0])
+    both = ("outliers and the ground plane", True, True)
+    for sought, drop, ground in (("outliers", True, False), ("the ground plane", False, True), both):
         cloud = prepare(ball, drop_outliers=drop, remove_ground=ground)
-        assert f"the search for {sought} used 30000 of 32000 points, drawn evenly" in cloud.notes
+        assert f"the search for {sought} used a random sample of 30000 of the 32000 points" in cloud.notes

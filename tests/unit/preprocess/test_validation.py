@@ -1,10 +1,10 @@
-"""Points and normals as they are given: what is no cloud is refused, with what to do instead."""
+"""Invalid points and normals are refused, and the message says what to do instead."""
 
 import numpy as np
 import pytest
 
 from symjax.errors import InvalidPointsError, NonfiniteError, TooFewPointsError
-from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, finite_rows, require
+from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, check_num_points, finite_rows
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int16, np.uint8])
@@ -35,7 +35,7 @@ def test_the_given_points_are_not_written_to():
         ([[1, 2, 3], [1, 2]], "differ in length"),
     ],
 )
-def test_what_is_no_cloud_is_refused(points, message):
+def test_arrays_that_are_no_cloud_are_refused(points, message):
     with pytest.raises(InvalidPointsError, match=message):
         as_points(points)
 
@@ -43,9 +43,9 @@ def test_what_is_no_cloud_is_refused(points, message):
 def test_too_few_points_are_refused():
     with pytest.raises(TooFewPointsError, match="empty"):
         as_points([])
-    require(MIN_POINTS, "points")
+    check_num_points(MIN_POINTS, "points")
     with pytest.raises(TooFewPointsError, match=f"{MIN_POINTS - 1} distinct points are too few"):
-        require(MIN_POINTS - 1, "distinct points")
+        check_num_points(MIN_POINTS - 1, "distinct points")
 
 
 def test_rows_that_are_not_finite_are_dropped_and_noted_or_refused():
@@ -60,9 +60,22 @@ def test_rows_that_are_not_finite_are_dropped_and_noted_or_refused():
     assert len(notes) == 1
 
 
-def test_normals_are_those_of_the_rows_and_bad_ones_elsewhere_do_not_matter(rng):
+def test_normals_are_selected_by_row_and_bad_ones_in_other_rows_do_not_matter(rng):
     normals = rng.normal(size=(6, 3))
     normals[2], normals[4] = 0.0, np.nan
     np.testing.assert_array_equal(as_normals(normals, (6, 3), np.array([5, 0])), normals[[5, 0]])
     with pytest.raises(InvalidPointsError, match=r"2 normals .* the first at index 2"):
         as_normals(normals, (6, 3), np.arange(6))
+
+
+@pytest.mark.parametrize(
+    ("normals", "message"),
+    [
+        ([[1, 2, 3], [1, 2]], r"shape \(2, 3\), but the rows differ in length"),
+        ([["a"] * 3] * 2, "real numbers, not <U1"),
+        (np.ones((3, 3)), r"shape of the points, \(2, 3\), not \(3, 3\)"),
+    ],
+)
+def test_normals_of_another_shape_or_type_are_refused(normals, message):
+    with pytest.raises(InvalidPointsError, match=message):
+        as_normals(normals, (2, 3), np.arange(2))
