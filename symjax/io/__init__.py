@@ -1,1 +1,1 @@
-"""Clouds, meshes and pairs read from files, strictly, and files written so that no reader meets half of one."""
+"""Strict readers of clouds, meshes and pairs, and writers that never leave an incomplete file."""

@@ -1,4 +1,4 @@
-"""Writing a file so that a reader never meets half of it."""
+"""Atomic writing of files: a reader never sees an incomplete file."""
 
 import os
 from collections.abc import Iterator
@@ -10,10 +10,12 @@ from symjax.errors import InvalidArgumentError
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary name beside `path`: renamed to it when the block succeeds, removed when it does not.
+    """Yields a temporary path beside `path`, and renames it to `path` if the `with` block succeeds.
+
+    If the block fails, the temporary file is removed.
 
     Raises:
-        InvalidArgumentError: the folder is missing, or the file cannot be written there.
+        InvalidArgumentError: if the folder is missing or the file cannot be written.
     """
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.part")

@@ -1,13 +1,13 @@
-"""The folder in which symjax keeps what it downloads and compiles."""
+"""The folder for downloads and compiled programs."""
 
 import os
 from pathlib import Path
 
 VARIABLE = "SYMJAX_CACHE"
-"""Environment variable that names the folder."""
+"""Environment variable that sets the folder."""
 
 
 def cache_folder() -> Path:
-    """$SYMJAX_CACHE, or `symjax` in the user's cache folder; it is not made."""
+    """Returns $SYMJAX_CACHE, or else `symjax` in the user's cache folder. The folder may not exist."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(os.environ.get(VARIABLE) or Path(home) / "symjax").expanduser()

@@ -1,4 +1,4 @@
-"""NumPy's own format: one array of points, or of pairs, a row each."""
+"""NumPy's NPY format, with one point or one pair per row."""
 
 import warnings
 from pathlib import Path
@@ -12,30 +12,34 @@ MAGIC = b"\x93NUMPY"
 
 
 def read(path: Path, num_columns: int) -> Float[np.ndarray, "n k"]:
-    """An array of shape (n, num_columns) as float64; mapped, not loaded, until its header is known to tell the truth.
+    """Reads an array of shape (n, num_columns) as float64.
+
+    The file is memory-mapped first, so a header that declares too many rows costs no memory.
 
     Raises:
-        FileFormatError: no NPY file, pickled objects, another shape, no real numbers, or more or fewer bytes than the
-            header promises.
-        OSError: the file cannot be opened.
+        FileFormatError: if the file is not an NPY file, contains pickled objects, has another shape, is not of real
+            numbers, or has more or fewer bytes than its header declares.
+        OSError: if the file cannot be opened.
     """
     with path.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
-            raise FileFormatError("no NPY file: it does not start with '\\x93NUMPY'")
+            raise FileFormatError("it is not an NPY file: it does not start with '\\x93NUMPY'")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             mapped = np.lib.format.open_memmap(path, mode="r")
     except OSError:
         raise
-    # NumPy reads the header as Python source: what a damaged one raises is anybody's guess
+    # NumPy evaluates the header as Python source, so a damaged one can raise anything
     except Exception as error:
         raise FileFormatError(
-            "its header is damaged, asks for pickled objects, or promises more than is there"
+            "the NPY header is damaged, declares more data than the file contains, or declares pickled objects, "
+            "which are not read"
         ) from error
     if mapped.dtype.kind not in "fiu" or mapped.ndim != 2 or mapped.shape[1] != num_columns:
-        expected = f"real numbers of shape (n, {num_columns}) expected"
-        raise FileFormatError(f"an array of {mapped.dtype}, of shape {mapped.shape}: {expected}")
-    if mapped.offset + mapped.nbytes != path.stat().st_size:
-        raise FileFormatError(f"{len(mapped)} rows are promised, and the file is longer than that")
+        raise FileFormatError(
+            f"expected real numbers of shape (n, {num_columns}), found {mapped.dtype} of shape {mapped.shape}"
+        )
+    if extra := path.stat().st_size - mapped.offset - mapped.nbytes:
+        raise FileFormatError(f"the NPY header declares {len(mapped)} rows, but the file is too long by {extra} bytes")
     return np.array(mapped, dtype=np.float64, order="C")

@@ -1,4 +1,4 @@
-"""Putative mirror pairs from files: six columns, x y z of one point and of the other."""
+"""Putative mirror pairs from files with six columns, x y z of one point and x y z of the other."""
 
 import os
 from pathlib import Path
@@ -16,7 +16,13 @@ FORMATS = (*TEXTS, ".npy")
 
 
 class PairFile(NamedTuple):
-    """Pairs in the file's own units, and a sentence on how they were read."""
+    """Pairs read from a file.
+
+    Attributes:
+        x: one point of each pair, in the units of the file.
+        y: the other point of each pair.
+        note: how the file was read, as a phrase.
+    """
 
     x: Float[np.ndarray, "n 3"]
     y: Float[np.ndarray, "n 3"]
@@ -24,24 +30,28 @@ class PairFile(NamedTuple):
 
 
 def read_pairs(path: str | os.PathLike[str]) -> PairFile:
-    """Read pairs, one a row: from CSV, TXT or XYZ (see `symjax.io.table.read`), or NPY.
+    """Reads pairs, one per row, from CSV, TXT or XYZ (see `symjax.io.table.read`) or NPY.
 
-    Like the readers of points, it is strict: a row of other than six numbers is an error.
+    Args:
+        path: file to read; its extension determines the format.
+
+    Returns:
+        The pairs, and a note.
 
     Raises:
-        FileFormatError: the file is missing, unreadable, empty, shorter or longer than its header says, or
-            holds no rows of six numbers.
+        FileFormatError: if the file is missing, unreadable, empty, damaged or of another format, or a row does not
+            consist of six numbers.
     """
     path = Path(path)
     suffix = path.suffix.lower()
     try:
         if path.exists() and not path.is_file():
-            raise FileFormatError("it is a folder; give a file" if path.is_dir() else "it is no regular file")
+            raise FileFormatError("it is a folder: pass a file" if path.is_dir() else "it is not a regular file")
         if suffix not in FORMATS:
-            raise FileFormatError(f"pairs are read from {', '.join(FORMATS)}, not from {suffix!r}")
+            raise FileFormatError(f"the extension {suffix!r} is not supported: use one of {', '.join(FORMATS)}")
         rows = npy.read(path, COLUMNS) if suffix == ".npy" else _read_text(path.read_bytes())
         if not len(rows):
-            raise FileFormatError("it holds no pairs")
+            raise FileFormatError("it contains no pairs")
     except FileFormatError as error:
         raise FileFormatError(f"cannot read pairs from {str(path)!r}: {error}") from error
     except OSError as error:
@@ -51,9 +61,9 @@ def read_pairs(path: str | os.PathLike[str]) -> PairFile:
 
 def _read_text(data: bytes) -> Float[np.ndarray, "n 6"]:
     found = table.read(data)
-    if found.rows and found.num_columns != COLUMNS:
+    if len(found.rows) and found.num_columns != COLUMNS:
         raise FileFormatError(
-            f"row 1 of its data, {parsing.shown(found.rows[0])}, has {found.num_columns} columns: {COLUMNS} expected, "
-            "x y z of one point and of the other"
+            f"line {found.rows.numbers[0]}: expected {COLUMNS} columns (x y z of one point, x y z of the other), "
+            f"found {found.num_columns} in {parsing.shown(found.rows.texts[0])}"
         )
     return table.numbers(found, range(COLUMNS))[0]

@@ -1,7 +1,7 @@
-"""Point clouds and meshes from files, and clouds to files.
+"""Reading of point clouds and meshes, and writing of point clouds.
 
-Every reader is strict: what a header promises must be there, to the byte, or the file is refused. A partial cloud
-has another mirror plane, and nobody would know.
+All readers are strict: they refuse a file whose content does not match its header, to the byte. A truncated cloud would
+have another mirror plane, and the error would go unnoticed.
 """
 
 import os
@@ -18,7 +18,7 @@ from symjax.io.atomic import replacing
 from symjax.io.formats import gltf, obj_off_stl, pcd, ply
 
 NUM_SAMPLES = 20_000
-"""Points sampled from a mesh: dense enough for what `detect` resolves, and quick."""
+"""Points sampled from a mesh by default: dense enough for the resolution of `detect`, and fast."""
 
 MESHES = {
     ".ply": ply.read,
@@ -29,6 +29,8 @@ MESHES = {
 }
 CLOUDS = {".pcd": pcd.read, ".xyz": text.read, ".txt": text.read, ".csv": text.read}
 FORMATS = ("PLY", "OBJ", "OFF", "STL", "GLB", "XYZ", "TXT", "CSV", "NPY", "PCD")
+"""Formats, which are also the extensions, in the order of error messages."""
+
 SIGNATURES = {
     b"ply\n": "PLY",
     b"ply\r": "PLY",
@@ -41,7 +43,12 @@ SIGNATURES = {
 
 
 class PointFile(NamedTuple):
-    """Points in the file's own units, and a sentence on how they were read."""
+    """Points read from a file.
+
+    Attributes:
+        points: the points, in the units of the file.
+        note: how the file was read, such as "mesh of 5856 faces, sampled uniformly by area: 20000 points".
+    """
 
     points: Float[np.ndarray, "n 3"]
     note: str
@@ -50,43 +57,58 @@ class PointFile(NamedTuple):
 def read_points(
     path: str | os.PathLike[str], *, num_samples: int = NUM_SAMPLES, rng: int | np.integer | np.random.Generator = 0
 ) -> PointFile:
-    """Read a point cloud, or sample one from a mesh.
+    """Reads a point cloud from a file, or samples one from a mesh.
 
-    PLY, OBJ, OFF, STL and GLB with faces are sampled uniformly by area; everything else is taken as it is. Read are
-    also XYZ, TXT and CSV (three columns or more, any usual delimiter, one header line), NPY and PCD. Nothing in a file
-    is ever executed, and no other file is opened for it.
+    Meshes in PLY, OBJ, OFF, STL and GLB are sampled uniformly by area. Clouds are read from these formats if they have
+    no faces, and from XYZ, TXT and CSV (three or more columns, any usual delimiter, an optional header line), NPY and
+    PCD. The content of a file is never executed, and no other file is opened.
 
     Args:
-        path: file to read; its extension, in any case, says the format.
-        num_samples: points to sample from a mesh.
+        path: file to read; its extension, in upper or lower case, determines the format.
+        num_samples: number of points to sample from a mesh.
         rng: seed or generator of the sampling.
 
     Returns:
-        The points as float64, and a note such as "mesh of 5856 faces, sampled uniformly by area: 20000 points".
+        The points as float64, in the units of the file, and a note on how they were read.
 
     Raises:
-        FileFormatError: the file is missing, unreadable, empty, truncated, of another format than its name says, or
-            of one that is not read.
-        InvalidArgumentError: `num_samples` is not positive, or `rng` is no seed.
+        FileFormatError: if the file is missing, unreadable, empty, damaged, or not of the format that its extension
+            says, or if the format is not supported.
+        InvalidArgumentError: if `num_samples` is not positive, or `rng` is not a valid seed.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> with TemporaryDirectory() as folder:
+        ...     path = Path(folder) / "scan.csv"
+        ...     np.savetxt(path, [[0.0, 0.0, 1.0], [0.5, 2.0, 3.0]], delimiter=",")
+        ...     points, note = read_points(path)
+        >>> points
+        array([[0. , 0. , 1. ],
+               [0.5, 2. , 3. ]])
+        >>> note
+        'cloud of 2 points'
     """
     if num_samples < 1:
-        raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
+        raise InvalidArgumentError(f"num_samples must be at least 1, not {num_samples}")
     try:
         generator = np.random.default_rng(rng)
     except (TypeError, ValueError) as error:
-        raise InvalidArgumentError(f"rng must be a seed, not negative, or a numpy Generator, not {rng!r}") from error
+        raise InvalidArgumentError(
+            f"rng must be a nonnegative seed or a numpy.random.Generator, not {rng!r}"
+        ) from error
     path = Path(path)
     suffix = path.suffix.lower()
     try:
         _check_file(path, suffix)
-        # a signalling NaN warns when it is widened; NaN is for `detect` to judge
+        # the conversion of a signalling NaN would warn; `detect` decides what to do with NaN
         with np.errstate(invalid="ignore"):
             if suffix in MESHES:
-                return _sampled(MESHES[suffix](path.read_bytes()), num_samples, generator)
+                return _sample(MESHES[suffix](path.read_bytes()), num_samples, generator)
             points, note = (npy.read(path, 3), "") if suffix == ".npy" else CLOUDS[suffix](path.read_bytes())
-        return _taken(points, note)
+        return _cloud(points, note)
     except FileFormatError as error:
-        raise FileFormatError(f"cannot read {str(path)!r}: {error}{_other_format(path, suffix)}") from error
+        raise FileFormatError(f"cannot read {str(path)!r}: {error}{_hint(path, suffix)}") from error
     except OSError as error:
         raise FileFormatError(f"cannot read {str(path)!r}: {error.strerror or error}") from error
     except MemoryError as error:
@@ -97,65 +119,71 @@ def _check_file(path: Path, suffix: str) -> None:
     try:
         status = path.stat()
     except ValueError as error:
-        raise FileFormatError("no file can have this name") from error
+        raise FileFormatError("this is not a valid file name") from error
     mode, size = status.st_mode, status.st_size
     if stat.S_ISDIR(mode):
-        raise FileFormatError("it is a folder; give a file")
+        raise FileFormatError("it is a folder: pass a file")
     if suffix != ".npy" and suffix not in MESHES and suffix not in CLOUDS:
-        raise FileFormatError(f"the extension {suffix!r} is not one that is read ({', '.join(FORMATS)})")
+        raise FileFormatError(f"the extension {suffix!r} is not supported: use one of {', '.join(FORMATS)}")
     if not stat.S_ISREG(mode):
-        raise FileFormatError("it is no regular file")
+        raise FileFormatError("it is not a regular file")
     if size == 0:
         raise FileFormatError("the file is empty")
 
 
-def _sampled(solid: mesh.Mesh, num_samples: int, rng: np.random.Generator) -> PointFile:
+def _sample(solid: mesh.Mesh, num_samples: int, rng: np.random.Generator) -> PointFile:
     if len(solid.triangles) == 0:
-        return _taken(solid.vertices, "")
+        return _cloud(solid.vertices, "")
     parts = f" in {solid.num_parts} parts, merged" if solid.num_parts > 1 else ""
     note = f"mesh of {solid.num_faces} faces{parts}, sampled uniformly by area: {num_samples} points"
-    loose = len(solid.vertices) - np.count_nonzero(np.bincount(solid.triangles.ravel()))
-    if loose:
-        note += f"; {loose} loose vertices left out"
+    unused = len(solid.vertices) - np.count_nonzero(np.bincount(solid.triangles.ravel()))
+    if unused:
+        note += f"; unused vertices ignored: {unused}"
     return PointFile(mesh.sample(solid, num_samples, rng), note)
 
 
-def _taken(points: Float[np.ndarray, "n 3"], note: str) -> PointFile:
+def _cloud(points: Float[np.ndarray, "n 3"], note: str) -> PointFile:
     if len(points) == 0:
-        raise FileFormatError("it holds no points" + (f" ({note})" if note else ""))
+        raise FileFormatError("it contains no points" + (f" ({note})" if note else ""))
     return PointFile(points, f"cloud of {len(points)} points" + (f"; {note}" if note else ""))
 
 
-def _other_format(path: Path, suffix: str) -> str:
-    """A hint if a readable file starts like one of another format."""
+def _hint(path: Path, suffix: str) -> str:
+    """Returns a hint if the file starts like one of another format."""
     if not path.is_file():
         return ""
     with path.open("rb") as stream:
         start = stream.read(8)
     found = next((name for signature, name in SIGNATURES.items() if start.startswith(signature)), suffix[1:].upper())
-    return "" if found == suffix[1:].upper() else f"; its content looks like {found}"
+    if found == suffix[1:].upper():
+        return ""
+    return f"; its content looks like {found}: " + ("unpack it" if found == "ZIP" else f"rename it to .{found.lower()}")
 
 
 def write_points(path: str | os.PathLike[str], points: Float[np.ndarray, "n 3"], *, force: bool = False) -> None:
-    """Write a cloud as binary PLY in float64; it appears under its name only when it is complete.
+    """Writes a cloud as binary PLY in float64. The file appears only when it is complete.
 
     Args:
         path: file to write, with the extension .ply.
         points: the cloud.
-        force: replace a file that exists.
+        force: whether to replace an existing file.
 
     Raises:
-        InvalidArgumentError: the extension is another, the file exists, or it cannot be written.
-        InvalidPointsError: `points` is not of shape (n, 3).
+        InvalidArgumentError: if the extension is not .ply, the file exists, or it cannot be written.
+        InvalidPointsError: if `points` is not an (n, 3) array of real numbers.
     """
     target = Path(path)
     points = np.asarray(points)
     if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"points must be real numbers of shape (n, 3), got {points.dtype} {points.shape}")
+        raise InvalidPointsError(
+            f"points must be real numbers of shape (n, 3), not {points.dtype} of shape {points.shape}"
+        )
     if target.suffix.lower() != ".ply":
-        raise InvalidArgumentError(f"cannot write {str(target)!r}: points are written as PLY; end the name in .ply")
+        raise InvalidArgumentError(
+            f"cannot write {str(target)!r}: points are written as PLY, so the name must end in .ply"
+        )
     if target.exists() and not force:
-        raise InvalidArgumentError(f"cannot write {str(target)!r}: it exists; use force to replace it")
+        raise InvalidArgumentError(f"cannot write {str(target)!r}: it exists; pass force=True to replace it")
     header = (
         f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
         "property double x\nproperty double y\nproperty double z\nend_header\n"

@@ -1,1 +1,1 @@
-"""One reader a file format: bytes in, vertices and faces out."""
+"""One reader per file format, from bytes to points or to vertices and faces."""

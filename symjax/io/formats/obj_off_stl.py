@@ -1,13 +1,15 @@
-"""The mesh formats OBJ, OFF and STL, read strictly.
+"""Strict readers of the mesh formats OBJ, OFF and STL.
 
-General mesh libraries forgive: of a truncated OFF or STL they return the faces that are left, and a face of an OBJ
-that counts its vertices backwards (−1 is the newest) gets wrong ones. Here such a file is read right or not at all.
+General mesh libraries are lenient: they return the remaining faces of a truncated OFF or STL, and wrong vertices for a
+face of an OBJ with relative indices (−1 is the latest vertex). These readers read such a file correctly or not at all.
 """
 
 import re
 from array import array
+from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Float
 
 from symjax.errors import FileFormatError
 from symjax.io import mesh, parsing
@@ -17,86 +19,124 @@ STL_TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("
 
 
 def read_obj(data: bytes) -> mesh.Mesh:
-    """Vertices and faces of a Wavefront OBJ; its objects and groups are merged, materials and textures ignored."""
-    rows: list[str] = []
+    """Reads the vertices and faces of a Wavefront OBJ. Objects and groups are merged; materials are ignored.
+
+    Raises:
+        FileFormatError: if the file has no vertices, or is damaged.
+    """
+    rows = parsing.Rows([], [])
     sizes, corners = array("q"), array("q")
     part, parts = 0, set()
-    for line in parsing.lines(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")):
+    for number, line in _continued_lines(data):
         keyword, *cells = line.split("#", 1)[0].split() or [""]
         if keyword == "v":
-            rows.append(" ".join(cells))
+            rows.texts.append(" ".join([keyword, *cells]))
+            rows.numbers.append(number)
         elif keyword == "f":
-            corners.extend(_obj_corner(cell, len(rows), line) for cell in cells)
+            corners.extend(_obj_corner(cell, len(rows), number) for cell in cells)
             sizes.append(len(cells))
             parts.add(part)
         elif keyword in ("o", "g"):
             part += 1
-    if not rows:
-        raise FileFormatError("no OBJ with vertices: no line starts with 'v'")
+    if not len(rows):
+        raise FileFormatError("it is not an OBJ file with vertices: no line starts with 'v'")
     polygons = mesh.Polygons(np.array(sizes, np.int64), np.array(corners, np.int64))
-    return mesh.from_polygons(parsing.parse(rows, (0, 1, 2)), polygons, max(len(parts), 1))
+    vertices = parsing.parse(rows, (1, 2, 3))
+    return mesh.from_polygons(vertices, polygons, num_parts=max(len(parts), 1), first_index=1)
 
 
-def _obj_corner(cell: str, num_vertices: int, line: str) -> int:
-    """Vertex of a corner "vertex/texture/normal": counted from 1, or backwards from the newest if negative."""
+def _continued_lines(data: bytes) -> Iterator[tuple[int, str]]:
+    """Yields each line and its number; a line that ends with a backslash continues on the next line."""
+    lines = enumerate(parsing.lines(data), start=1)
+    for number, line in lines:
+        while line.endswith("\\") and (following := next(lines, None)):
+            line = line[:-1] + " " + following[1]
+        yield number, line
+
+
+def _obj_corner(cell: str, num_vertices: int, line: int) -> int:
+    """Returns the vertex of a corner "vertex/texture/normal", counted from 0.
+
+    In the file, vertices are counted from 1, or backwards from the latest vertex if the index is negative.
+    """
     try:
         index = int(cell.split("/", 1)[0])
     except ValueError:
         index = 0
     if index == 0 or abs(index) >= 2**62:
-        raise FileFormatError(f"face {parsing.shown(line)} is not understood")
+        raise FileFormatError(f"line {line}: expected a vertex index other than 0, found {parsing.shown(cell)}")
+    if index < -num_vertices:
+        raise FileFormatError(
+            f"line {line}: vertex index {index}, but the number of vertices before the face is {num_vertices}"
+        )
     return index - 1 if index > 0 else index + num_vertices
 
 
 def read_off(data: bytes) -> mesh.Mesh:
-    """Vertices and faces of an ascii OFF, with or without colours, normals and texture coordinates."""
-    rows = [row for line in parsing.lines(data) if (row := line.split("#", 1)[0].strip())]
-    match = re.match(r"(ST)?C?N?OFF", rows[0]) if rows else None
+    """Reads the vertices and faces of an ASCII OFF, with or without colours, normals and texture coordinates.
+
+    Raises:
+        FileFormatError: if the file is not an OFF file, or is damaged.
+    """
+    rows = parsing.rows(data, clean=lambda line: line.split("#", 1)[0].strip())
+    match = re.match(r"(ST)?C?N?OFF", rows.texts[0]) if len(rows) else None
     if match is None:
-        raise FileFormatError("no OFF file: it does not start with 'OFF'")
+        raise FileFormatError("it is not an OFF file: it does not start with 'OFF'")
     # the counts may follow on the same line, even without a space
-    rows[0] = rows[0][match.end() :].strip()
-    rows = rows[0 if rows[0] else 1 :]
-    counts = re.fullmatch(r"(\d{1,18})\s+(\d{1,18})(\s+\d+)?", rows[0], re.ASCII) if rows else None
+    rows.texts[0] = rows.texts[0][match.end() :].strip()
+    rows = rows if rows.texts[0] else rows[1:]
+    if not len(rows):
+        raise FileFormatError("it ends after 'OFF', before the numbers of vertices and faces")
+    counts = re.fullmatch(r"(\d{1,18})\s+(\d{1,18})(\s+\d+)?", rows.texts[0], re.ASCII)
     if counts is None:
-        raise FileFormatError("the OFF header holds no counts of vertices, faces and edges")
+        raise FileFormatError(
+            f"line {rows.numbers[0]}: expected the numbers of vertices, faces and edges, "
+            f"found {parsing.shown(rows.texts[0])}"
+        )
     num_vertices, num_faces = int(counts[1]), int(counts[2])
     if len(rows) - 1 != num_vertices + num_faces:
         raise FileFormatError(
-            f"the header promises {num_vertices} vertices and {num_faces} faces, the file holds {len(rows) - 1} rows"
+            f"the OFF header declares {num_vertices} + {num_faces} rows of vertices and faces, found {len(rows) - 1}: "
+            "the file is truncated or damaged"
         )
     vertices = parsing.parse(rows[1 : 1 + num_vertices], (0, 1, 2))
     return mesh.from_polygons(vertices, mesh.parse_polygons(rows[1 + num_vertices :]))
 
 
 def read_stl(data: bytes) -> mesh.Mesh:
-    """Triangles of an STL, binary or ascii; several solids are merged."""
+    """Reads the triangles of an STL, binary or ASCII. Several solids are merged.
+
+    Raises:
+        FileFormatError: if the file is not an STL file, or is truncated.
+    """
     body = data[STL_HEADER + 4 :]
-    promised = int.from_bytes(data[STL_HEADER : STL_HEADER + 4], "little")
-    if len(data) >= STL_HEADER + 4 and len(body) == promised * STL_TRIANGLE.itemsize:
+    declared = int.from_bytes(data[STL_HEADER : STL_HEADER + 4], "little")
+    if len(data) >= STL_HEADER + 4 and len(body) == declared * STL_TRIANGLE.itemsize:
         corners = np.frombuffer(body, STL_TRIANGLE)["corners"].astype(np.float64)
         return _triangle_soup(corners.reshape(-1, 3), 1)
     if not data[:STL_HEADER].lstrip().lower().startswith(b"solid"):
         raise FileFormatError(
-            f"no STL file: not text, and not the {promised} triangles that a binary header would promise"
+            "it is not an STL file, or it is truncated: it does not start with 'solid', and its size is not that of "
+            f"the {declared} triangles that a binary header would declare"
         )
     return _read_ascii_stl(data)
 
 
 def _read_ascii_stl(data: bytes) -> mesh.Mesh:
-    rows = [row for line in parsing.lines(data) if (row := line.strip().lower())]
-    first_words = [row.split(None, 1)[0] for row in rows]
+    rows = parsing.rows(data, clean=lambda line: line.strip().lower())
+    first_words = [row.split(None, 1)[0] for row in rows.texts]
     num = {word: first_words.count(word) for word in ("solid", "endsolid", "facet", "endfacet", "vertex")}
     closed = num["solid"] == num["endsolid"] and num["facet"] == num["endfacet"]
     if not closed or num["vertex"] != 3 * num["facet"] or first_words[-1] != "endsolid":
         raise FileFormatError(
-            f"truncated STL: {num['solid']} solids begin and {num['endsolid']} end, "
+            f"the STL is truncated or damaged: {num['solid']} solids begin and {num['endsolid']} end, "
             f"{num['facet']} facets begin and {num['endfacet']} end, with {num['vertex']} vertices"
         )
-    corners = [row for row, word in zip(rows, first_words, strict=True) if word == "vertex"]
+    vertices = [index for index, word in enumerate(first_words) if word == "vertex"]
+    corners = parsing.Rows([rows.texts[i] for i in vertices], [rows.numbers[i] for i in vertices])
     return _triangle_soup(parsing.parse(corners, (1, 2, 3)), num["solid"])
 
 
-def _triangle_soup(corners: np.ndarray, num_parts: int) -> mesh.Mesh:
+def _triangle_soup(corners: Float[np.ndarray, "c 3"], num_parts: int) -> mesh.Mesh:
     triangles = np.arange(len(corners)).reshape(-1, 3)
     return mesh.Mesh(corners, triangles, len(triangles), num_parts)

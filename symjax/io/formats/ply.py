@@ -1,4 +1,4 @@
-"""The PLY format (Turk 1994), ascii and binary: every count of the header is checked against the body."""
+"""The PLY format (Turk 1994), ASCII and binary. Each count of the header is checked against the body."""
 
 import struct
 from array import array
@@ -25,7 +25,13 @@ INDEX_NAMES = ("vertex_indices", "vertex_index")
 
 
 class Property(NamedTuple):
-    """A column of an element; `length` is the type of a list's length, empty for a single number."""
+    """A column of an element.
+
+    Attributes:
+        name: name of the property.
+        type: NumPy type of its numbers, without byte order.
+        length: NumPy type of the length of a list; empty for a single number.
+    """
 
     name: str
     type: str
@@ -33,7 +39,13 @@ class Property(NamedTuple):
 
 
 class Element(NamedTuple):
-    """A table of the file: vertices, faces, or something that is skipped."""
+    """A table of the file: vertices, faces, or another one, which is ignored.
+
+    Attributes:
+        name: name of the element.
+        num_rows: number of rows that the header declares.
+        properties: columns, in order.
+    """
 
     name: str
     num_rows: int
@@ -41,41 +53,52 @@ class Element(NamedTuple):
 
     @property
     def has_lists(self) -> bool:
-        """Whether rows differ in length."""
+        """Whether the element has a list property, so that its rows may differ in length."""
         return any(column.length for column in self.properties)
 
     def position(self, name: str) -> int:
-        """Column of a property."""
+        """Returns the column of a property.
+
+        Raises:
+            FileFormatError: if there is not exactly one property of this name.
+        """
         names = [column.name for column in self.properties]
         if names.count(name) != 1:
-            raise FileFormatError(f"element {parsing.shown(self.name)} has no single property {name!r}")
+            raise FileFormatError(
+                f"the PLY header must declare one property {name!r} of element {parsing.shown(self.name)}, "
+                f"and declares {names.count(name)}"
+            )
         return names.index(name)
 
 
 def read(data: bytes) -> mesh.Mesh:
-    """The vertices and faces of a PLY file.
+    """Reads the vertices and faces of a PLY file.
 
     Raises:
-        FileFormatError: no PLY, or its body is not what its header says.
+        FileFormatError: if the file is not a PLY file, or its body does not match its header.
     """
     order, elements, start = _parse_header(data)
     body = memoryview(data)[start:]
-    vertices, faces = _read_binary(body, elements, order) if order else _read_ascii(bytes(body), elements)
+    if order:
+        vertices, faces = _read_binary(body, elements, order)
+    else:
+        rows = parsing.rows(bytes(body), first=len(parsing.lines(data[:start])))
+        vertices, faces = _read_ascii(rows, elements)
     return mesh.from_polygons(vertices, faces)
 
 
 def _parse_header(data: bytes) -> tuple[str, list[Element], int]:
-    """Byte order (empty for ascii), elements, and where the body starts."""
+    """Returns the byte order (empty for ASCII), the elements, and the offset of the body."""
     if data[:3] != b"ply" or data[3:4] not in (b"\n", b"\r"):
-        raise FileFormatError("no PLY file: it does not start with 'ply'")
+        raise FileFormatError("it is not a PLY file: it does not start with 'ply'")
     end = data.find(b"end_header")
     start = end + len(b"end_header")
     start += 2 if data[start : start + 2] == b"\r\n" else 1
     if end < 0 or start > len(data):
-        raise FileFormatError("the PLY header has no end: the file is truncated")
+        raise FileFormatError("the PLY header has no line 'end_header': the file is truncated or damaged")
     order: str | None = None
     elements: list[Element] = []
-    for line in parsing.lines(data[3:end]):
+    for number, line in enumerate(parsing.lines(data[3:end]), start=1):
         match line.split():
             case [] | ["comment" | "obj_info", *_]:
                 pass
@@ -88,9 +111,9 @@ def _parse_header(data: bytes) -> tuple[str, list[Element], int]:
             case ["property", "list", length, type_, name] if elements and {length, type_} <= TYPES.keys():
                 elements[-1].properties.append(Property(name, TYPES[type_], TYPES[length]))
             case _:
-                raise FileFormatError(f"the PLY header has a line {parsing.shown(line)} that is not understood")
+                raise FileFormatError(f"line {number}: invalid line in the PLY header: {parsing.shown(line)}")
     if order is None:
-        raise FileFormatError("the PLY header names no format")
+        raise FileFormatError("the PLY header has no line 'format'")
     _check_elements(elements)
     return order, elements, start
 
@@ -98,46 +121,55 @@ def _parse_header(data: bytes) -> tuple[str, list[Element], int]:
 def _check_elements(elements: list[Element]) -> None:
     names = [element.name for element in elements]
     if names.count("vertex") != 1 or names.count("face") > 1:
-        raise FileFormatError("the PLY header must declare one element 'vertex' and at most one 'face'")
+        raise FileFormatError(
+            "the PLY header must declare one element 'vertex' and at most one 'face', "
+            f"and declares {names.count('vertex')} and {names.count('face')}"
+        )
     vertex = elements[names.index("vertex")]
     if vertex.has_lists:
-        raise FileFormatError("the PLY's vertices have a list property, which is not read")
+        raise FileFormatError("the PLY header declares a list property of the vertices, which is not supported")
     for axis in "xyz":
         vertex.position(axis)
     for element in elements:
         if any(column.length.startswith("f") for column in element.properties):
-            raise FileFormatError("the PLY header declares a list whose length is not an integer")
+            raise FileFormatError(
+                f"the PLY header declares a list of element {parsing.shown(element.name)} "
+                "whose length is not an integer"
+            )
     if "face" in names:
         _index_column(elements[names.index("face")])
 
 
 def _index_column(element: Element) -> int:
-    """Which column of the faces lists their vertices."""
+    """Returns the column of the faces with the list of their vertices."""
     columns = [i for i, column in enumerate(element.properties) if column.name in INDEX_NAMES and column.length]
     if len(columns) != 1 or element.properties[columns[0]].type.startswith("f"):
-        raise FileFormatError("the PLY's faces have no list 'vertex_indices' of integers")
+        raise FileFormatError("the PLY header must declare one list 'vertex_indices' of integers for the faces")
     return columns[0]
 
 
-def _read_ascii(body: bytes, elements: list[Element]) -> tuple[Float[np.ndarray, "v 3"], mesh.Polygons]:
-    rows = [row for row in parsing.lines(body) if row.strip()]
+def _read_ascii(rows: parsing.Rows, elements: list[Element]) -> tuple[Float[np.ndarray, "v 3"], mesh.Polygons]:
     elements = [element for element in elements if element.properties]
     expected = sum(element.num_rows for element in elements)
     if len(rows) != expected:
-        raise FileFormatError(f"the header promises {expected} rows, the file holds {len(rows)}")
+        raise FileFormatError(
+            f"the PLY header declares {expected} rows, found {len(rows)}: the file is truncated or damaged"
+        )
     vertices, faces = np.empty((0, 3)), mesh.NO_POLYGONS
     start = 0
     for element in elements:
-        mine = rows[start : start + element.num_rows]
+        part = rows[start : start + element.num_rows]
         start += element.num_rows
         if element.name == "vertex":
-            everything = parsing.parse(mine, range(len(element.properties)))
-            vertices = everything[:, [element.position(axis) for axis in "xyz"]]
+            columns = parsing.parse(part, range(len(element.properties)))
+            vertices = columns[:, [element.position(axis) for axis in "xyz"]]
         elif element.name == "face":
-            before = _index_column(element)
-            if any(column.length for column in element.properties[:before]):
-                raise FileFormatError("the PLY's faces have a list before 'vertex_indices', which is not read")
-            faces = mesh.parse_polygons(mine, before)
+            index = _index_column(element)
+            if any(column.length for column in element.properties[:index]):
+                raise FileFormatError(
+                    "the PLY header declares a list before 'vertex_indices' for the faces, which is not supported"
+                )
+            faces = mesh.parse_polygons(part, skip=index)
     return vertices, faces
 
 
@@ -155,25 +187,25 @@ def _read_binary(
             size = element.num_rows * dtype.itemsize
             _check_size(body, element, size)
             if element.name == "vertex":
-                # positions, not names: a name may stand twice in a careless file
+                # by position, since a faulty header may declare a name twice
                 rows = np.frombuffer(body[:size], dtype)
                 vertices = np.stack([rows[f"f{element.position(axis)}"].astype(np.float64) for axis in "xyz"], axis=1)
         body = body[size:]
     if len(body):
-        raise FileFormatError(f"{len(body)} bytes follow the last row that the header promises")
+        raise FileFormatError(f"{len(body)} bytes follow the last row that the PLY header declares")
     return vertices, faces
 
 
 def _check_size(body: memoryview, element: Element, size: int) -> None:
     if size > len(body):
         raise FileFormatError(
-            f"the header promises {element.num_rows} rows of {parsing.shown(element.name)}, "
-            f"{size} bytes or more, and the file has {len(body)} left"
+            f"the PLY header declares {element.num_rows} rows of {parsing.shown(element.name)}, at least {size} bytes, "
+            f"found {len(body)}: the file is truncated or damaged"
         )
 
 
 def _row_type(element: Element, order: str, sizes: list[int]) -> np.dtype:
-    """The type of a row whose lists have the given lengths; a list is two fields, its length and its numbers."""
+    """Returns the type of a row whose lists have the given lengths; a list is two fields, length and numbers."""
     fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
     remaining = iter(sizes)
     for position, column in enumerate(element.properties):
@@ -186,7 +218,11 @@ def _row_type(element: Element, order: str, sizes: list[int]) -> np.dtype:
 
 
 def _read_lists(body: memoryview, element: Element, order: str, index: int | None) -> tuple[int, mesh.Polygons]:
-    """Bytes taken by an element with lists, and its polygons: at once if all rows are alike, else row by row."""
+    """Reads an element with lists: all rows at once if their lists have the same lengths, otherwise row by row.
+
+    Returns:
+        Size of the element in bytes, and the polygons in column `index`.
+    """
     end, sizes, _ = _walk(body, element, order, index, 1)
     dtype = _row_type(element, order, sizes)
     size = element.num_rows * end
@@ -205,7 +241,11 @@ def _read_lists(body: memoryview, element: Element, order: str, index: int | Non
 def _walk(
     body: memoryview, element: Element, order: str, index: int | None, count: int
 ) -> tuple[int, list[int], mesh.Polygons]:
-    """Bytes taken by the first `count` rows, list lengths of the last one, and the polygons in column `index`."""
+    """Reads the first `count` rows of an element.
+
+    Returns:
+        Size of the rows in bytes, lengths of the lists in the last row, and the polygons in column `index`.
+    """
     columns = [
         (struct.Struct(order + _code(column.length)) if column.length else None, _code(column.type))
         for column in element.properties
@@ -225,7 +265,8 @@ def _walk(
             end = at + length * struct.calcsize("=" + code)
             if length < 0 or end > len(body):
                 raise FileFormatError(
-                    f"a list of {length} numbers in {parsing.shown(element.name)} runs past the file's end"
+                    f"a list of {length} numbers in element {parsing.shown(element.name)} extends beyond the end of "
+                    "the file: the file is truncated or damaged"
                 )
             if position == index:
                 sizes.append(length)
@@ -235,5 +276,5 @@ def _walk(
 
 
 def _code(type_: str) -> str:
-    """The struct module's letter for a type."""
+    """Returns the format character of the struct module for a type."""
     return {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}[type_]

@@ -1,11 +1,11 @@
-"""One variable names the folder of downloads and compiled programs; without it, it is in the user's cache folder."""
+"""An environment variable sets the folder for downloads and compiled programs; the default is in the cache folder."""
 
 from pathlib import Path
 
 from symjax.io.cache_folder import VARIABLE, cache_folder
 
 
-def test_the_folder_is_the_named_one_or_in_the_users_cache(monkeypatch):
+def test_the_folder_is_that_of_the_variable_or_in_the_users_cache(monkeypatch):
     monkeypatch.setenv(VARIABLE, "~/models")
     assert cache_folder() == Path.home() / "models"
     monkeypatch.setenv(VARIABLE, "")

@@ -1,4 +1,4 @@
-"""NPY: any real numbers, in any order; nothing before, behind, or other than promised."""
+"""NPY: arrays of any real type and memory order, and files that match their header."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,10 @@ from symjax.io.points import read_points
 from tests.helpers.cloud_files import CUBE, npy, put
 
 
-def test_a_header_that_claims_gigabytes_costs_nothing(tmp_path):
+def test_a_header_that_declares_gigabytes_allocates_nothing(tmp_path):
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (200000000, 3), }".ljust(117) + b"\n"
     lies = b"\x93NUMPY\x01\x00" + np.uint16(len(header)).tobytes() + header + b"\0" * 24
-    with pytest.raises(FileFormatError, match="promises more than is there"):
+    with pytest.raises(FileFormatError, match="declares more data than the file contains"):
         read_points(put(tmp_path, "a.npy", lies))
 
 

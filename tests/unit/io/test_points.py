@@ -1,4 +1,4 @@
-"""Files: every format gives back what was written, and a damaged file gives an error, never a partial cloud."""
+"""Files: each format returns what was written, and a damaged file raises an error, never a partial cloud."""
 
 import re
 import subprocess
@@ -34,7 +34,7 @@ def points(rng):
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_a_cloud_comes_back_to_the_last_bit(tmp_path, points, name):
+def test_a_cloud_is_read_exactly(tmp_path, points, name):
     back, note = read_points(put(tmp_path, name, CLOUDS[name](points)))
     assert back.dtype == np.float64
     np.testing.assert_array_equal(back, points)
@@ -43,20 +43,20 @@ def test_a_cloud_comes_back_to_the_last_bit(tmp_path, points, name):
 
 @pytest.mark.parametrize("name", MESHES)
 @pytest.mark.parametrize(("vertices", "faces"), [(CUBE, QUADS), (PRISM, PRISM_FACES)], ids=["quads", "mixed"])
-def test_a_mesh_comes_back_as_triangles(name, vertices, faces):
+def test_a_mesh_is_read_as_triangles(name, vertices, faces):
     read = {"ply": ply.read, "off": obj_off_stl.read_off, "obj": obj_off_stl.read_obj}[name.split(".")[1]]
     back = read(MESHES[name](vertices, faces))
     np.testing.assert_array_equal(back.vertices, vertices)
     assert back.num_faces == len(faces)
     assert len(back.triangles) == sum(len(face) - 2 for face in faces)
-    # closed and consistently wound: the signed volume is the solid's
+    # the mesh is closed and consistently oriented, so its signed volume is that of the solid
     corners = back.vertices[back.triangles]
     volume = np.linalg.det(corners).sum() / 6
     assert abs(volume) == pytest.approx(1.0 if vertices is CUBE else 2.0)
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "off", "stl", "stl_ascii"])
-def test_agrees_with_trimesh_on_sound_meshes(kind):
+def test_agrees_with_trimesh_on_valid_meshes(kind):
     trimesh = pytest.importorskip("trimesh")
     ball = trimesh.creation.icosphere(subdivisions=2)
     data = ball.export(file_type=kind)
@@ -70,50 +70,54 @@ def test_agrees_with_trimesh_on_sound_meshes(kind):
 @pytest.mark.parametrize(
     ("name", "data", "why"),
     [
-        ("a.xyz", b"1 2\n3 4\n", "2 column"),
-        ("a.txt", b"1 2 3\n4 five 6\n", r"row 2 of its data is '4 five 6'"),
-        ("a.txt", b"1x 2 3\n4 5 6\n", "row 1 of its data"),
-        ("a.csv", b"1,2,3\n4,5\n6,7,8\n", "row 2"),
-        ("a.csv", b"1,2,3,4\n4,5,6\n", "row 2 of its data, '4,5,6', has 3 columns: 4 expected"),
+        ("a.xyz", b"1 2\n3 4\n", r"line 1: expected at least 3 columns \(x y z\), found 2 in '1 2'"),
+        ("a.txt", b"1 2 3\n4 five 6\n", "line 2: expected a number in column 2, found 'five'"),
+        ("a.txt", b"1x 2 3\n4 5 6\n", "line 1: expected a number in column 1, found '1x'"),
+        ("a.csv", b"1,2,3\n4,5\n6,7,8\n", "line 2: expected 3 columns"),
+        ("a.csv", b"1,2,3,4\n4,5,6\n", "line 2: expected 4 columns as in line 1, found 3 in '4,5,6'"),
         ("a.csv", b"x,y,z\n", "no points"),
         ("a.txt", b"# nothing\n\n", "no points"),
-        ("a.txt", b"\xff\xfe1\x00 \x002\x00", "binary content"),
+        ("a.txt", b"\xff\xfe1\x00 \x002\x00", "contains NUL bytes"),
         ("a.obj", b"1 2 3\n4 5 6\n", "no line starts with 'v'"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", "row 3"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "1 face corners are no vertex"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "face 'f 0 1 2'"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "are no vertex"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", "line 3: expected at least 4 columns, found 3 in 'v 0 1'"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "face 1 of 1 refers to vertex 4, .* counted from 1, is 3"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4: expected a vertex index other than 0, found '0'"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "line 4: vertex index -4, but .* is 3"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "2 corners"),
-        ("a.off", b"OFF\n-1 0 0\n", "no counts"),
+        ("a.off", b"OFF\n-1 0 0\n", "line 2: expected the numbers of vertices, faces and edges, found '-1 0 0'"),
         ("a.off", b"OFF\n0 0 0\n", "no points"),
-        ("a.off", b"OFF\n999999999999999999 0 0\n0 0 0\n", "promises"),
-        ("a.off", b"OFF\n2 0 0\n0 0 0\n1 1 1\n2 2 2\n", "promises 2 vertices"),
+        ("a.off", b"OFF\n999999999999999999 0 0\n0 0 0\n", r"declares 999999999999999999 \+ 0 rows .* found 1"),
+        ("a.off", b"OFF\n2 0 0\n0 0 0\n1 1 1\n2 2 2\n", r"declares 2 \+ 0 rows of vertices and faces, found 3"),
         ("a.off", b"4OFF\n1 0 0\n0 0 0 0\n", "does not start with 'OFF'"),
         ("a.stl", b"\0" * 84, "no points"),
         ("a.stl", b"\0" * 80 + b"\xff\xff\xff\xff", "4294967295 triangles"),
-        ("a.stl", b"v 0 0 0\n", "no STL"),
+        ("a.stl", b"v 0 0 0\n", "not an STL file"),
         ("a.ply", b"v 0 0 0\n", "does not start with 'ply'"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n", "property 'y'"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex " + b"9" * 5000 + b"\nend_header\n", "not understood"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex " + b"9" * 5000 + b"\nend_header\n", "line 3: invalid line"),
         ("a.ply", binary_ply(CUBE).replace(b"vertex 8", b"vertex 0", 1)[:-192], "no points"),
         ("a.ply", binary_ply(CUBE).replace(b"vertex 8", b"vertex 7", 1), "24 bytes follow"),
-        ("a.ply", binary_ply(CUBE).replace(b"vertex 8", b"vertex 999999999999999999", 1), "promises"),
-        ("a.ply", ascii_ply(CUBE).replace(b"vertex 8", b"vertex 5", 1), "promises 5 rows"),
-        ("a.ply", ascii_ply(CUBE).replace(b"vertex 8", b"vertex 9", 1), "promises 9 rows"),
+        (
+            "a.ply",
+            binary_ply(CUBE).replace(b"vertex 8", b"vertex 999999999999999999", 1),
+            "found 192: the file is truncated",
+        ),
+        ("a.ply", ascii_ply(CUBE).replace(b"vertex 8", b"vertex 5", 1), "declares 5 rows, found 8"),
+        ("a.ply", ascii_ply(CUBE).replace(b"vertex 8", b"vertex 9", 1), "declares 9 rows, found 8"),
         ("a.ply", ascii_ply(CUBE).replace(b"end_header", b"end_headr"), "truncated"),
-        ("a.ply", binary_ply(CUBE, [[0, 1, 8]]), "are no vertex"),
+        ("a.ply", binary_ply(CUBE, [[0, 1, 8]]), "refers to vertex 8, .* counted from 0, is 8"),
         ("a.ply", binary_ply(CUBE, [[0, 1, 2]]).replace(b"uchar", b"float"), "not an integer"),
         ("a.npy", b"\x93NUMPY", "header"),
-        ("a.npy", b"PK\x03\x04", "looks like ZIP"),
-        ("a.npy", npy(CUBE) + b"x", "longer"),
+        ("a.npy", b"PK\x03\x04", "looks like ZIP: unpack it"),
+        ("a.npy", npy(CUBE) + b"x", "too long by 1 bytes"),
         ("a.npy", npy(CUBE.T), r"shape \(3, 8\)"),
         ("a.npy", npy(CUBE + 1j), "complex128"),
         ("a.npy", npy(CUBE.astype(str)), "real numbers"),
-        ("a.npy", npy(np.empty((0, 3))), "no points|promises"),
+        ("a.npy", npy(np.empty((0, 3))), "no points|declares"),
         ("a.npy", npy(np.array([[None] * 3]), allow_pickle=True), "pickled"),
     ],
 )
-def test_what_is_no_file_of_its_kind_is_refused(tmp_path, name, data, why):
+def test_damaged_and_misnamed_files_are_refused(tmp_path, name, data, why):
     path = put(tmp_path, name, data)
     with pytest.raises(FileFormatError, match=why) as caught:
         read_points(path)
@@ -138,8 +142,8 @@ TRUNCATED = {
 
 
 @pytest.mark.parametrize("name", TRUNCATED)
-def test_cut_anywhere_a_file_is_refused_or_whole(tmp_path, name):
-    """Only the end of the last number or name can go unnoticed; every point and face is then still there."""
+def test_a_file_truncated_anywhere_is_refused_or_complete(tmp_path, name):
+    """Only a loss in the last number or name can go unnoticed; all points and faces are then still read."""
     data = TRUNCATED[name]
     whole = read_points(put(tmp_path, name, data), num_samples=10)
     refused = 0
@@ -175,10 +179,10 @@ def test_missing_folder_empty_and_unknown(tmp_path):
         ("none.ply", "No such file"),
         ("folder.ply", "it is a folder"),
         (put(tmp_path, "empty.ply", b""), "the file is empty"),
-        (put(tmp_path, "a.docx", b"x"), re.escape(".docx' is not one that is read (PLY, OBJ,")),
-        (put(tmp_path, "bare", b"x"), re.escape("'' is not one that is read (PLY, OBJ,")),
-        (put(tmp_path, "swapped.off", binary_ply(CUBE)), "its content looks like PLY"),
-        (put(tmp_path, "swapped.txt", npy(CUBE)), "its content looks like NPY"),
+        (put(tmp_path, "a.docx", b"x"), re.escape(".docx' is not supported: use one of PLY, OBJ,")),
+        (put(tmp_path, "bare", b"x"), re.escape("'' is not supported: use one of PLY, OBJ,")),
+        (put(tmp_path, "swapped.off", binary_ply(CUBE)), "its content looks like PLY: rename it to .ply"),
+        (put(tmp_path, "swapped.txt", npy(CUBE)), "its content looks like NPY: rename it to .npy"),
         ("nul\0byte.ply", "cannot read"),
     ]:
         with pytest.raises(FileFormatError, match=why):
@@ -197,11 +201,11 @@ def test_number_of_samples_and_seed_are_checked(tmp_path):
     with pytest.raises(InvalidArgumentError, match="num_samples"):
         read_points(path, num_samples=0)
     for rng in (-1, "a"):
-        with pytest.raises(InvalidArgumentError, match="rng must be a seed"):
+        with pytest.raises(InvalidArgumentError, match="rng must be a nonnegative seed"):
             read_points(path, rng=rng)
 
 
-def test_written_points_come_back(tmp_path, points):
+def test_written_points_are_read_exactly(tmp_path, points):
     path = tmp_path / "out.ply"
     write_points(path, points)
     np.testing.assert_array_equal(symjax.read_points(path).points, points)
@@ -211,12 +215,12 @@ def test_written_points_come_back(tmp_path, points):
 def test_writing_is_refused_rather_than_wrong(tmp_path, points):
     path = tmp_path / "out.ply"
     write_points(path, points)
-    with pytest.raises(InvalidArgumentError, match="it exists"):
+    with pytest.raises(InvalidArgumentError, match="it exists; pass force=True"):
         write_points(path, points[:3])
     assert len(read_points(path).points) == len(points)
     write_points(path, points[:3], force=True)
     assert len(read_points(path).points) == 3
-    with pytest.raises(InvalidArgumentError, match=r"end the name in \.ply"):
+    with pytest.raises(InvalidArgumentError, match=r"the name must end in \.ply"):
         write_points(tmp_path / "out.obj", points)
     with pytest.raises(InvalidArgumentError, match="No such file"):
         write_points(tmp_path / "nowhere" / "out.ply", points)
@@ -224,7 +228,7 @@ def test_writing_is_refused_rather_than_wrong(tmp_path, points):
         write_points(tmp_path / "new.ply", points.T)
 
 
-def test_importing_the_reader_imports_nothing_heavy():
+def test_importing_the_reader_imports_no_large_library():
     code = "import sys, symjax.io.points; sys.exit(bool({'jax', 'scipy', 'trimesh'} & sys.modules.keys()))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

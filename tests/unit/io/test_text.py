@@ -1,4 +1,4 @@
-"""Clouds as text, in any usual dress."""
+"""Clouds as text, in any usual format."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tests.helpers.cloud_files import put
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "in_note"),
     [
         ("x,y,z\n1,2,3\n4,5,6\n", ""),
         ("# a comment\n\n1 2 3\n# another\n  4   5\t6\n", ""),
@@ -28,25 +28,26 @@ from tests.helpers.cloud_files import put
         ("1 2 3\r4 5 6", ""),
     ],
 )
-def test_text_of_many_shapes(tmp_path, text, said):
+def test_usual_text_formats_are_read(tmp_path, text, in_note):
     back, note = read_points(put(tmp_path, "a.csv", text.encode()))
     np.testing.assert_array_equal(back, [[1, 2, 3], [4, 5, 6]])
-    assert said in note
-    assert said or note == "cloud of 2 points"
+    assert in_note in note
+    assert in_note or note == "cloud of 2 points"
 
 
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("1,2,3,4\n5,6,7\n8,9,10,11\n", "row 2 of its data, '5,6,7', has 3 columns: 4 expected"),
-        ("1 2 3\n4 5 67 8 9\n", "row 2 of its data, '4 5 67 8 9', has 5 columns: 3 expected"),
-        ("x;y;z\n1;2\n3;4;5\n", "row 2 of its data, '3;4;5', has 3 columns: 2 expected"),
-        ("1.5;2;3\n1,500;2;3\n", "decimal points and commas in one file .row 2 of its data is '1,500;2;3'"),
-        ("x y z\n", "no points: one line only, 'x'"),
-        ("x y z w\n1 2\n", "2 column.s. in '1 2': at least 3 expected"),
-        ("a b c x y z\n1 2 three\n", "row 1 of its data is '1 2 three': 3 numbers expected"),
+        ("1,2,3,4\n5,6,7\n8,9,10,11\n", "line 2: expected 4 columns as in line 1, found 3 in '5,6,7'"),
+        ("1 2 3\n4 5 67 8 9\n", "line 2: expected 3 columns as in line 1, found 5 in '4 5 67 8 9'"),
+        ("x;y;z\n1;2\n3;4;5\n", "line 3: expected 2 columns as in line 2, found 3 in '3;4;5'"),
+        ("1.5;2;3\n1,500;2;3\n", "line 2: '1,500;2;3' has a decimal comma, but other numbers have decimal points"),
+        ("x y z\n", "it contains no points, only a header line: 'x y z'"),
+        ("x y z w\n1 2\n", "line 2: expected at least 3 columns .x y z., found 2 in '1 2'"),
+        ("# scan\n\na b c x y z\n1 2 three\n", "line 4: expected a number in column 3, found 'three'"),
+        ('label,x,y,z\n"a, b",1,2,3\nc,4,5,six\n', "line 3: expected a number in column 4, found 'six'"),
     ],
 )
-def test_rows_that_are_no_points_are_named(tmp_path, text, why):
+def test_the_line_of_a_bad_row_is_named(tmp_path, text, why):
     with pytest.raises(FileFormatError, match=why):
         read_points(put(tmp_path, "a.txt", text.encode()))

@@ -13,7 +13,7 @@ COMPLETE = (*STANDING, "block", "table", "sofa", "stool", "boat", "guitar", "pri
 
 
 class Scene:
-    """An object on a square ground plane, scanned from above, so without its sole; with random pose, units and shift."""
+    """An object on a square ground plane, scanned from above and so without its sole; random pose, units and shift."""
 
     def __init__(self, kind, rng, *, num_points=3000, width=1.6, share=0.6, seen=-1.0, noise=0.0, outliers=0.0):
         points = generate(kind, num_points=num_points, rng=rng).points

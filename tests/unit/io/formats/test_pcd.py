@@ -1,4 +1,4 @@
-"""PCD: three encodings of one cloud, NaN rows, damaged files, and LZF against a packer written for the test."""
+"""PCD: three encodings, NaN points, damaged files, and LZF against a compressor written for the test."""
 
 import struct
 
@@ -26,7 +26,7 @@ ROW = np.dtype([("rgb", "<u4"), ("x", "<f4"), ("normal", "<f4", (3,)), ("y", "<f
 
 @pytest.fixture
 def table(rng):
-    """Twelve points with all that a header may declare around x, y and z."""
+    """Twelve points with x, y and z among fields of other types and counts."""
     table = np.zeros(12, ROW)
     table["rgb"] = rng.integers(2**32, size=12)
     table["x"], table["y"], table["z"] = rng.normal(size=12), rng.normal(size=12), rng.integers(-9, 9, size=12)
@@ -48,7 +48,7 @@ def as_binary(table):
 
 
 def pack(data):
-    """LZF of bytes, greedily: a reference to the last place where the next three bytes stood, else a literal."""
+    """Compresses bytes by greedy LZF: a reference to the last occurrence of the next three bytes, else a literal."""
     out, literal, last, at = bytearray(), bytearray(), {}, 0
 
     def flush():
@@ -99,7 +99,7 @@ def test_every_encoding_gives_the_points(tmp_path, table, encoding):
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_nan_points_of_an_organised_cloud_are_left_out_and_said(tmp_path, table, encoding):
+def test_nan_points_of_an_organised_cloud_are_removed_with_a_note(tmp_path, table, encoding):
     table["x"][[2, 5]] = np.nan
     table["y"][5] = np.nan
     path = tmp_path / "cloud.pcd"
@@ -107,7 +107,7 @@ def test_nan_points_of_an_organised_cloud_are_left_out_and_said(tmp_path, table,
     points, note = read_points(path)
     kept = np.delete(table, [2, 5])
     np.testing.assert_array_equal(points[:, 1], kept["y"])
-    assert note == "cloud of 10 points; 2 of 12 points are NaN (no measurement) and were left out"
+    assert note == "cloud of 10 points; 2 of 12 points are NaN (no measurement) and were removed"
 
 
 def test_a_cloud_of_nan_alone_is_refused(tmp_path, table):
@@ -119,7 +119,7 @@ def test_a_cloud_of_nan_alone_is_refused(tmp_path, table):
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_cut_anywhere_a_file_is_refused_or_whole(table, encoding):
+def test_a_file_truncated_anywhere_is_refused_or_complete(table, encoding):
     data = ENCODINGS[encoding](table)
     whole, _ = pcd.read(data)
     for length in range(len(data)):
@@ -127,7 +127,7 @@ def test_cut_anywhere_a_file_is_refused_or_whole(table, encoding):
             cut, _ = pcd.read(data[:length])
         except FileFormatError:
             continue
-        # the last digits of the last number of a text file, which nobody can miss
+        # a text file without the last digits of its last number, which no reader can notice
         assert encoding == "ascii"
         assert length >= len(data) - 3
         np.testing.assert_array_equal(cut[:-1], whole[:-1])
@@ -150,20 +150,20 @@ def test_flipped_bytes_give_typed_errors_only(table, encoding, rng):
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        (b"POINTS 12", b"POINTS 13", "POINTS says otherwise"),
-        (b"12\nHEIGHT 1", b"9999999999\nHEIGHT 99999999", "POINTS says otherwise"),
+        (b"POINTS 12", b"POINTS 13", "declares 13 POINTS, but WIDTH x HEIGHT is 12 x 1"),
+        (b"12\nHEIGHT 1", b"9999999999\nHEIGHT 99999999", "WIDTH x HEIGHT is 9999999999 x 99999999"),
         (b"POINTS 12\n", b"", None),
         (b"WIDTH 12", b"WIDTH -12", "WIDTH"),
         (b"WIDTH 12", b"WIDTH \xb2", "WIDTH"),
-        (b"FIELDS rgb x", b"FIELDS rgb u", "no fields x, y and z"),
-        (b"FIELDS rgb x", b"FIELDS x", "differ in length"),
-        (b"TYPE U F", b"TYPE U Q", "no known type"),
-        (b"DATA binary", b"DATA packed", "is not one of ascii, binary"),
-        (b"VERSION", b"VERSE", "no PCD file"),
-        (b"WIDTH 12\nHEIGHT 1\n", b"WIDTH 11\nHEIGHT 1\n", "POINTS says otherwise"),
+        (b"FIELDS rgb x", b"FIELDS rgb u", "must declare fields x, y and z"),
+        (b"FIELDS rgb x", b"FIELDS x", "same number of entries, not 4, 5, 5, 5"),
+        (b"TYPE U F", b"TYPE U Q", "field 'x' .* invalid type: TYPE 'Q', SIZE '4'"),
+        (b"DATA binary", b"DATA packed", "line 11: DATA must be ascii, binary .* not 'packed'"),
+        (b"VERSION", b"VERSE", "line 2: .* cannot start with 'VERSE'"),
+        (b"WIDTH 12\nHEIGHT 1\n", b"WIDTH 11\nHEIGHT 1\n", "WIDTH x HEIGHT is 11 x 1"),
     ],
 )
-def test_headers_are_taken_at_their_word(table, old, new, why):
+def test_a_header_that_contradicts_itself_or_the_body_is_refused(table, old, new, why):
     data = as_binary(table)
     assert old in data
     if why is None:
@@ -176,31 +176,31 @@ def test_headers_are_taken_at_their_word(table, old, new, why):
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_a_header_without_fields_is_refused(encoding):
     empty = f"FIELDS\nSIZE\nTYPE\nWIDTH 0\nHEIGHT 1\nDATA {encoding}\n".encode()
-    with pytest.raises(FileFormatError, match="no fields x, y and z"):
+    with pytest.raises(FileFormatError, match="must declare fields x, y and z"):
         pcd.read(empty + (b"" if encoding == "ascii" else bytes(8)))
 
 
-def test_a_row_of_another_length_is_named(table):
+def test_a_row_of_another_length_is_refused_with_its_line(table):
     lines = as_ascii(table).split(b"\n")
     lines[-4] = b" ".join(lines[-4].split()[:-1])
-    with pytest.raises(FileFormatError, match=r"row 10 of its data is .*: 7 numbers expected"):
+    with pytest.raises(FileFormatError, match=r"line 21: expected 7 numbers, found 6 in"):
         pcd.read(b"\n".join(lines))
 
 
-def test_padding_is_zeros_and_nothing_else(table):
+def test_only_zeros_may_follow_the_points(table):
     data = as_binary(table)
     assert len(pcd.read(data + b"\0" * 100)[0]) == 12
-    with pytest.raises(FileFormatError, match="promises"):
+    with pytest.raises(FileFormatError, match="declares 360 bytes of points, found 362"):
         pcd.read(data + b"\0\1")
 
 
-def test_lzf_undoes_the_packer(rng):
+def test_lzf_is_the_inverse_of_the_compressor(rng):
     words = [rng.integers(256, size=n, dtype=np.uint8).tobytes() for n in (1, 2, 3, 40, 700)]
     for data in (b"", b"a", b"a" * 1000, b"abc" * 5000, b"".join(words), b"".join(words * 4), bytes(9000)):
         assert pcd.decompress(pack(data), len(data)) == data
 
 
-def test_lzf_refuses_what_does_not_add_up():
+def test_lzf_refuses_damaged_input_and_wrong_sizes():
     packed = pack(b"abcabcabc" * 9)
     for damaged, size in [
         (packed, 80),
@@ -220,6 +220,6 @@ def test_real_clouds_are_read(models, name, num_points):
     points, note = read_points(models / name)
     assert len(points) == num_points
     assert note == f"cloud of {num_points} points"
-    # metres, as the scanners of these clouds had them: a mistake in the byte order would be far out
+    # the clouds are in metres, and a wrong byte order would give other sizes
     assert (np.ptp(points, axis=0) < 10).all()
     assert (np.ptp(points, axis=0) > 0.1).all()
