@@ -1,4 +1,4 @@
-"""Every public name says what it takes, what it returns, and shows an example, which pytest runs as a doctest."""
+"""Public docstrings document all parameters, return values and fields, and have an example that runs as a doctest."""
 
 import dataclasses
 import inspect
@@ -31,7 +31,7 @@ METHODS = {
 
 
 def section(doc, title):
-    """The entries of a section of a Google docstring, by name; None without the section."""
+    """Returns the names of the entries of a section of a Google docstring, or None if there is no such section."""
     found = re.search(rf"^{title}:\n((?: .*\n|\n)+)", inspect.cleandoc(doc) + "\n", re.MULTILINE)
     if found is None:
         return None
@@ -44,7 +44,7 @@ def parameters(function):
 
 
 @pytest.mark.parametrize("name", FUNCTIONS | METHODS)
-def test_a_function_says_what_it_takes_and_returns(name):
+def test_a_function_documents_its_parameters_and_return_value(name):
     function = (FUNCTIONS | METHODS)[name]
     missing = parameters(function) - (section(function.__doc__, "Args") or set())
     assert not missing
@@ -54,7 +54,7 @@ def test_a_function_says_what_it_takes_and_returns(name):
 
 
 @pytest.mark.parametrize("name", CLASSES)
-def test_a_class_says_what_it_holds(name):
+def test_a_class_documents_its_fields(name):
     owner = CLASSES[name]
     fields = (
         getattr(owner, "_fields", ()) or [f.name for f in dataclasses.fields(owner)]
@@ -66,5 +66,5 @@ def test_a_class_says_what_it_holds(name):
 
 
 @pytest.mark.parametrize("name", FUNCTIONS | CLASSES)
-def test_every_function_and_class_shows_an_example(name):
+def test_every_function_and_class_has_an_example(name):
     assert ">>> " in (FUNCTIONS | CLASSES)[name].__doc__

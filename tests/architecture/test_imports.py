@@ -1,4 +1,4 @@
-"""What needs no JAX imports none, in a fresh process; the layers are contracts of import-linter in pyproject.toml."""
+"""Packages that do not need JAX do not import it, and the layers of pyproject.toml hold (import-linter)."""
 
 import importlib.util
 import pkgutil
@@ -20,7 +20,7 @@ NEED_JAX = {
     *("symjax.robust.registration", "symjax.robust.search", "symjax.robust.refinement"),
     "symjax.symhks.plane_fit",
 }
-"""Modules of those packages that the methods import when they are called."""
+"""Modules of those packages that use JAX. The methods import them when they are called."""
 
 
 def modules_of(package):
@@ -41,14 +41,14 @@ def test_no_jax_is_imported_before_it_is_needed(package):
     assert done.stdout.strip() == "False"
 
 
-def test_statuses_are_read_without_jax():
+def test_the_statuses_do_not_import_jax():
     code = "import sys; from symjax.l2e.status import Status; print(Status(0).sentence, 'jax' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PROJECT)
     assert done.stdout.startswith("Converged")
     assert done.stdout.strip().endswith("False")
 
 
-def test_every_package_has_its_layer():
+def test_every_package_has_a_layer():
     settings = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]
     layers = next(c["layers"] for c in contracts if c["type"] == "layers" and c["containers"] == ["symjax"])
@@ -58,7 +58,7 @@ def test_every_package_has_its_layer():
 
 
 @pytest.mark.skipif(importlib.util.find_spec("importlinter") is None, reason="import-linter is in the extra dev")
-def test_the_contracts_hold():
+def test_the_contracts_of_import_linter_hold():
     done = subprocess.run(["lint-imports", "--no-cache"], capture_output=True, text=True, cwd=PROJECT, check=False)
     assert done.returncode == 0, done.stdout
 

@@ -9,5 +9,5 @@ from symjax.errors import FileFormatError
 def test_binary_content_is_named(tmp_path):
     path = tmp_path / "a-plane.txt"
     path.write_bytes(b"1\0")
-    with pytest.raises(FileFormatError, match=r"a-plane\.txt: binary"):
+    with pytest.raises(FileFormatError, match=r"a-plane\.txt: it contains NUL bytes"):
         NumberFile(path)

@@ -1,4 +1,4 @@
-"""The rooms of the house stay small: few files in a folder, no long file, tests where the code is."""
+"""Folders have few files, files are short, and unit tests mirror the packages."""
 
 from pathlib import Path
 
@@ -7,12 +7,12 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 MOST_FILES, MOST_LINES = 14, 300
-"""Files of code in a folder, and lines in a file."""
+"""Largest number of Python files in a folder, and of lines in a file."""
 
-ONE_FILE_A_METHOD = Path("experiments/baselines")
+ONE_FILE_PER_METHOD = Path("experiments/baselines")
 
-OF_SEVERAL_MODULES = {Path("l2e/derivatives"), Path("l2e/sweeps")}
-"""Folders of unit tests about what several modules of a package do together."""
+TESTS_OF_SEVERAL_MODULES = {Path("l2e/derivatives"), Path("l2e/sweeps")}
+"""Folders of unit tests of several modules of a package together."""
 
 TREES = ("symjax", "experiments", "tests")
 
@@ -23,7 +23,7 @@ def test_no_folder_has_too_many_files():
     counts: dict[Path, int] = {}
     for path in FILES:
         counts[path.parent] = counts.get(path.parent, 0) + 1
-    assert {str(f): n for f, n in counts.items() if n > MOST_FILES and f != ONE_FILE_A_METHOD} == {}
+    assert {str(f): n for f, n in counts.items() if n > MOST_FILES and f != ONE_FILE_PER_METHOD} == {}
 
 
 def test_no_file_is_too_long():
@@ -31,18 +31,18 @@ def test_no_file_is_too_long():
     assert {path: length for path, length in lengths.items() if length > MOST_LINES} == {}
 
 
-def test_the_package_has_no_loose_files():
+def test_the_root_of_the_package_has_no_other_files():
     loose = {path.name for path in (PROJECT / "symjax").iterdir() if path.is_file()}
     assert loose == {"__init__.py", "errors.py", "py.typed"}
 
 
 @pytest.mark.parametrize("path", [p for p in FILES if p.parts[:2] == ("tests", "unit")], ids=str)
-def test_a_unit_test_stands_under_the_name_of_its_package(path):
+def test_a_unit_test_is_in_the_folder_of_its_package(path):
     package = path.parent.relative_to("tests/unit")
-    assert package in OF_SEVERAL_MODULES or (PROJECT / "symjax" / package / "__init__.py").is_file()
+    assert package in TESTS_OF_SEVERAL_MODULES or (PROJECT / "symjax" / package / "__init__.py").is_file()
 
 
-def test_every_file_says_what_it_is():
+def test_every_file_has_a_module_docstring():
     for path in FILES:
         if path.parts[0] != "tests":
             assert (PROJECT / path).read_text(encoding="utf-8").lstrip().startswith('"""'), path
