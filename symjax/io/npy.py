@@ -41,5 +41,7 @@ def read(path: Path, num_columns: int) -> Float[np.ndarray, "n k"]:
             f"expected real numbers of shape (n, {num_columns}), found {mapped.dtype} of shape {mapped.shape}"
         )
     if extra := path.stat().st_size - mapped.offset - mapped.nbytes:
-        raise FileFormatError(f"the NPY header declares {len(mapped)} rows, but the file is too long by {extra} bytes")
+        raise FileFormatError(
+            f"expected {len(mapped)} rows as the NPY header declares, found {extra} bytes after them: the file is damaged"
+        )
     return np.array(mapped, dtype=np.float64, order="C")

@@ -26,7 +26,7 @@ def read(data: bytes) -> Mesh:
         raise FileFormatError("it is not a GLB file of version 2: it does not start with 'glTF' and the number 2")
     if length != len(data):
         raise FileFormatError(
-            f"the GLB header declares {length} bytes, but the file has {len(data)}: it is truncated or damaged"
+            f"expected {length} bytes as the GLB header declares, found {len(data)}: the file is truncated or damaged"
         )
     import trimesh
 

@@ -96,7 +96,8 @@ def read_off(data: bytes) -> mesh.Mesh:
     num_vertices, num_faces = int(counts[1]), int(counts[2])
     if len(rows) - 1 != num_vertices + num_faces:
         raise FileFormatError(
-            f"the OFF header declares {num_vertices} + {num_faces} rows of vertices and faces, found {len(rows) - 1}: "
+            f"expected {num_vertices} + {num_faces} rows of vertices and faces as the OFF header declares, "
+            f"found {len(rows) - 1}: "
             "the file is truncated or damaged"
         )
     vertices = parsing.parse(rows[1 : 1 + num_vertices], (0, 1, 2))

@@ -159,7 +159,7 @@ def _read_ascii(body: bytes, header: Header) -> Float[np.ndarray, "n 3"]:
     rows = parsing.rows(body, first=header.num_lines + 1)
     if len(rows) != header.num_points:
         raise FileFormatError(
-            f"the PCD header declares {header.num_points} points, found {len(rows)} rows: "
+            f"expected {header.num_points} points as the PCD header declares, found {len(rows)} rows: "
             "the file is truncated or damaged"
         )
     size = sum(field.num for field in header.fields)
@@ -175,7 +175,8 @@ def _read_binary(body: bytes, header: Header) -> Float[np.ndarray, "n 3"]:
     # some writers pad the body with zeros to a whole memory page
     if len(body) < size or body[size:].strip(b"\0"):
         raise FileFormatError(
-            f"the PCD header declares {size} bytes of points, found {len(body)}: the file is truncated or damaged"
+            f"expected {size} bytes of points as the PCD header declares, found {len(body)}: "
+            "the file is truncated or damaged"
         )
     axes = header.axes
     row = np.dtype(
@@ -196,7 +197,7 @@ def _read_compressed(body: bytes, header: Header) -> Float[np.ndarray, "n 3"]:
     packed, unpacked = struct.unpack("<II", body[:8]) if len(body) >= 8 else (0, 0)
     if packed > len(body) - 8 or body[8 + packed :].strip(b"\0"):
         raise FileFormatError(
-            f"the PCD body declares {packed} compressed bytes, found {max(len(body) - 8, 0)}: "
+            f"expected {packed} compressed bytes as the PCD body declares, found {max(len(body) - 8, 0)}: "
             "the file is truncated or damaged"
         )
     if unpacked != size:

@@ -153,7 +153,7 @@ def _read_ascii(rows: parsing.Rows, elements: list[Element]) -> tuple[Float[np.n
     expected = sum(element.num_rows for element in elements)
     if len(rows) != expected:
         raise FileFormatError(
-            f"the PLY header declares {expected} rows, found {len(rows)}: the file is truncated or damaged"
+            f"expected {expected} rows as the PLY header declares, found {len(rows)}: the file is truncated or damaged"
         )
     vertices, faces = np.empty((0, 3)), mesh.NO_POLYGONS
     start = 0
@@ -192,15 +192,17 @@ def _read_binary(
                 vertices = np.stack([rows[f"f{element.position(axis)}"].astype(np.float64) for axis in "xyz"], axis=1)
         body = body[size:]
     if len(body):
-        raise FileFormatError(f"{len(body)} bytes follow the last row that the PLY header declares")
+        raise FileFormatError(
+            f"{len(body)} bytes follow the last row that the PLY header declares: the file is damaged"
+        )
     return vertices, faces
 
 
 def _check_size(body: memoryview, element: Element, size: int) -> None:
     if size > len(body):
         raise FileFormatError(
-            f"the PLY header declares {element.num_rows} rows of {parsing.shown(element.name)}, at least {size} bytes, "
-            f"found {len(body)}: the file is truncated or damaged"
+            f"expected {element.num_rows} rows of {parsing.shown(element.name)} with {size} bytes or more as the PLY "
+            f"header declares, found {len(body)} bytes: the file is truncated or damaged"
         )
 
 
