@@ -42,6 +42,7 @@ def read(path: Path, num_columns: int) -> Float[np.ndarray, "n k"]:
         )
     if extra := path.stat().st_size - mapped.offset - mapped.nbytes:
         raise FileFormatError(
-            f"expected {len(mapped)} rows as the NPY header declares, found {extra} bytes after them: the file is damaged"
+            f"expected {len(mapped)} rows as the NPY header declares, found {extra} bytes after them: "
+            "the file is damaged"
         )
     return np.array(mapped, dtype=np.float64, order="C")
