@@ -1,1 +1,1 @@
-"""The figures and tables of the paper, and the numbers of the README: `python -m experiments.run list`."""
+"""Studies that produce the figures, tables and numbers of the README: `python -m experiments.run list`."""

@@ -1,1 +1,1 @@
-"""What all studies share: how one is described, run and written down, and the list of all."""
+"""What all studies share: the description of a study, the command that runs it, its files, and the catalogue."""

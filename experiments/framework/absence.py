@@ -1,4 +1,4 @@
-"""Data of other people that is not here: said loudly, and what to do about it."""
+"""The error for benchmark data that has not been downloaded, with instructions for getting it."""
 
 from pathlib import Path
 
@@ -6,18 +6,18 @@ from symjax.errors import SymjaxError
 
 
 class DataAbsentError(SymjaxError):
-    """The files of a published benchmark are not where they were looked for."""
+    """The files of a published benchmark do not exist where the loader expects them."""
 
 
-def required(path: Path, instructions: str) -> Path:
-    """The path.
+def require(path: Path, instructions: str) -> Path:
+    """Returns the path if it exists.
 
     Args:
         path: a file or a folder.
-        instructions: where to get the data, and how to lay it out.
+        instructions: where to get the data and which layout it must have; part of the error message.
 
     Raises:
-        DataAbsentError: there is nothing at the path.
+        DataAbsentError: if nothing exists at the path.
     """
     if not path.exists():
         raise DataAbsentError(f"DATA IS ABSENT: no {path}\n{instructions}")

@@ -1,4 +1,7 @@
-"""The studies in the order in which they are presented; each is imported when it is asked for."""
+"""All studies, in the order of the page. A new study becomes a command by one more line in `STUDIES`.
+
+A study is imported only when it is run or listed, so that one study's missing dependency does not stop the others.
+"""
 
 import importlib
 
@@ -33,10 +36,14 @@ STUDIES = {
     "speed_fit": "speed.fit:STUDY",
     "speed_sweep": "speed.sweep:STUDY",
 }
-"""Modules of `experiments.studies`, and the names of the studies in them, by the name on the command line."""
+"""`module:attribute` of every study, relative to `experiments.studies`, by its name on the command line.
+
+The key and the `name` of the `Study` must be the same.
+"""
 
 
 def load(name: str) -> Study:
-    """The study of a name."""
+    """Imports and returns the study of a name."""
     module, _, attribute = STUDIES[name].partition(":")
-    return getattr(importlib.import_module(f"experiments.studies.{module}"), attribute)
+    study: Study = getattr(importlib.import_module(f"experiments.studies.{module}"), attribute)
+    return study

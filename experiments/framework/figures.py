@@ -1,4 +1,4 @@
-"""Figures of the experiments, each as PNG and as PDF."""
+"""Matplotlib figures of the studies, each saved as PNG and as PDF."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,13 +8,16 @@ if TYPE_CHECKING:
 
 
 def new(width: float, height: float) -> "Figure":
-    """A figure of the given size in inches, apart from pyplot: no window, and nothing to close."""
+    """Returns an empty figure; width and height are in inches.
+
+    The figure is not registered with pyplot: it opens no window and need not be closed.
+    """
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def save(figure: "Figure", path: Path) -> None:
-    """Writes `NAME.png` and `NAME.pdf`; the same figure gives the same bytes."""
+    """Writes the figure as `NAME.png` and `NAME.pdf`; the same figure gives the same bytes."""
     figure.savefig(path.with_suffix(".png"), dpi=110)
     figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})

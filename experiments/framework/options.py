@@ -1,4 +1,4 @@
-"""The command line of a study: the fields of its configuration as options."""
+"""The command line of a study: every field of its configuration that is a number or a string is an option."""
 
 import argparse
 import dataclasses
@@ -13,12 +13,12 @@ PROGRAM = "python -m experiments.run"
 
 
 class Options(NamedTuple):
-    """What a command line asks for.
+    """The parsed command line of a study.
 
     Attributes:
         size: "full" or "small".
-        folder: of the files.
-        config: what is run.
+        folder: folder of the results.
+        config: configuration of the study: that of the size, with the options that were passed.
     """
 
     size: str
@@ -27,19 +27,20 @@ class Options(NamedTuple):
 
 
 def add_common(parser: argparse.ArgumentParser) -> None:
-    """Adds the options that all studies have."""
-    parser.add_argument("--size", choices=["full", "small"], default="full", help="by default full")
-    help_text = "folder of the files; by default experiments/out, and experiments/out/small for the small size"
+    """Adds the options that all studies have: `--size` and `--out`."""
+    parser.add_argument("--size", choices=["full", "small"], default="full", help="default: full")
+    help_text = "folder of the results; default: experiments/out, or experiments/out/small for the small size"
     parser.add_argument("--out", type=Path, help=help_text)
 
 
-def folder_of(given: argparse.Namespace) -> Path:
-    """The folder of the files."""
-    return (given.out or results_folder(given.size)).resolve()
+def folder_of(arguments: argparse.Namespace) -> Path:
+    """Returns the folder of the results that `--size` and `--out` select."""
+    folder: Path = arguments.out or results_folder(arguments.size)
+    return folder.resolve()
 
 
 def parse(study: Study, argv: Sequence[str]) -> Options:
-    """Reads the options of a study."""
+    """Parses the options of a study."""
     parser = argparse.ArgumentParser(prog=f"{PROGRAM} {study.name}", description=study.title)
     add_common(parser)
     default = next(iter(study.sizes.values()))
@@ -47,19 +48,23 @@ def parse(study: Study, argv: Sequence[str]) -> Options:
     for field in names:
         kind = type(getattr(default, field))
         values = ", ".join(f"{getattr(config, field)} ({size})" for size, config in study.sizes.items())
-        parser.add_argument(f"--{field.replace('_', '-')}", type=kind, help=f"by default {values}".replace("%", "%%"))
-    given = parser.parse_args(argv)
-    changed = {field: getattr(given, field) for field in names if getattr(given, field) is not None}
-    config = dataclasses.replace(study.sizes[given.size], **changed)
-    folder = folder_of(given)
-    return Options(given.size, folder, study.place(config, folder))
+        parser.add_argument(f"--{field.replace('_', '-')}", type=kind, help=f"default: {values}".replace("%", "%%"))
+    arguments = parser.parse_args(argv)
+    changed = {field: getattr(arguments, field) for field in names if getattr(arguments, field) is not None}
+    config = dataclasses.replace(study.sizes[arguments.size], **changed)
+    folder = folder_of(arguments)
+    return Options(arguments.size, folder, study.place(config, folder))
 
 
 def chosen(names: str, known: Iterable[str]) -> list[str]:
-    """The names in a comma separated list.
+    """Splits the comma-separated names of an option, such as `--methods pca,hruda`.
+
+    Args:
+        names: the value of the option.
+        known: all permitted names.
 
     Raises:
-        ValueError: one is not among those known.
+        ValueError: if a name is not permitted.
     """
     known = list(known)
     listed = [name.strip() for name in names.split(",")]

@@ -1,4 +1,4 @@
-"""The page of the studies, from what they wrote: the same files give the same page."""
+"""Writes the page of all studies from their result files; the same files give the same page."""
 
 import json
 import os
@@ -12,43 +12,46 @@ from experiments.framework.tables import Row, markdown
 
 PREAMBLE = """# Experiments
 
-This page is written by `python -m experiments.run all` from the files of the studies; change those and not this page.
+This page is written by `python -m experiments.run all` from the result files of the studies: edit the studies, not this
+page.
 
-Each study prints a table, with the paper's number or the target beside ours where there is one. It writes its rows as
-CSV, the table as Markdown, the figure, if it has one, as PNG and PDF, and how they came about (command, commit,
-versions, seed, machine, time) as JSON into `experiments/out`, or `experiments/out/small` at the small size; tables,
-figures and provenance of the former are kept in the repository. Run them in the checkout, with
+Every study prints a table, with the paper's number or the target beside ours if there is one. It writes its rows as
+CSV, the table as Markdown, the figure, if it has one, as PNG and PDF, and the provenance (command, commit, versions,
+seed, machine, time) as JSON. The files go to `experiments/out`, or to `experiments/out/small` at the small size. The
+tables, figures and provenance of the full size are kept in the repository. Run the studies in the checkout, after
 `pip install ".[test]"` (or `".[experiments,arena]"`):
 
 ```sh
-python -m experiments.run list
-python -m experiments.run planted               # full size
-python -m experiments.run planted --size small  # seconds
-python -m experiments.run planted --help
-python -m experiments.run all --size small      # all of them, and a page of their results beside them
-python -m experiments.run page                  # this page again
+python -m experiments.run list                  # all studies and what they show
+python -m experiments.run planted               # one study, at full size
+python -m experiments.run planted --size small  # the same in seconds
+python -m experiments.run planted --help        # its options
+python -m experiments.run all --size small      # all studies, and a page of their small results
+python -m experiments.run page                  # this page, from the results that exist
 ```
 
-**Data.** The paper's benchmark (1 354 clouds of Funk et al. 2017) is not used here unless a section says so: what runs
-on objects that symjax generates has no number that is comparable with the paper's table by table. Studies that take
-real models too do so by `--data FOLDER` with a `planes.json` (`{"name": {"file": …, "normal": […] or null, "offset": …
-or null, "kind": …}}`) and the files that it names; by default they look for `../shared/data` beside the checkout. Where
-they are absent the studies say so and run without them.
+**Data.** The paper's benchmark (1 354 clouds of Funk et al. 2017) is not used unless a section says so. Most studies run
+on objects that symjax generates; their numbers cannot be compared with the paper's, table by table. Some studies also
+take real models, by `--data FOLDER`. The folder holds a `planes.json` (`{"name": {"file": …, "normal": […] or null,
+"offset": … or null, "kind": …}}`) and the files that it names; the default is `../shared/data` beside the checkout. If
+the real models are absent, these studies say so and run without them.
 
-**Protocol.** Points are sampled at random from the surface, posed first (random rotation or reflection, shift), then
-corrupted: a box of outliers along the object's own axes would be symmetric itself. "Right" is a normal within 5° and an
-offset within 2 % of the diagonal, and `found`, unless a section says otherwise."""
+**Protocol.** Points are sampled at random from the surface. The cloud is posed first (random rotation or reflection,
+and shift) and then corrupted, because a box of outliers along the object's own axes would itself be symmetric. Unless a
+section says otherwise, a detection is "right" if it is `found`, its normal is within 5° of the true one, and its offset
+is within 2 % of the diagonal."""
 
 
 def page(out: Path, folder: Path, missing: Mapping[str, str]) -> str:
-    """The page as Markdown.
+    """Returns the page as Markdown.
 
     Args:
-        out: where the studies left their files.
-        folder: where the page will stand, to which links to figures are relative.
-        missing: studies that have no section, whatever lies in `out`, and why.
+        out: folder of the result files.
+        folder: folder of the page; links to figures are relative to it.
+        missing: reasons why studies have no results, by name; these studies get no section, even if `out` holds files
+            of an earlier run.
     """
-    written = [name for name in STUDIES if name not in missing and _is_there(out, name)]
+    written = [name for name in STUDIES if name not in missing and _has_results(out, name)]
     absent = {name: missing.get(name, "not run") for name in STUDIES if name not in written}
     studies = {name: load(name) for name in written}
     listed = [
@@ -64,7 +67,7 @@ def page(out: Path, folder: Path, missing: Mapping[str, str]) -> str:
     return "\n\n".join([*parts, *(_section(study, out, links) for study in studies.values())]) + "\n"
 
 
-def _is_there(out: Path, name: str) -> bool:
+def _has_results(out: Path, name: str) -> bool:
     return all((out / f"{name}{suffix}").is_file() for suffix in (".json", ".md"))
 
 
@@ -81,19 +84,19 @@ def _section(study: Study, out: Path, links: str) -> str:
 
 
 def _table(name: str, out: Path) -> str:
-    """The table, with the sentences that the study wrote under it."""
+    """Returns the table, with the notes of the study under it."""
     return (out / f"{name}.md").read_text(encoding="utf-8").strip()
 
 
 def _data(study: Study, about: Row) -> str:
-    """What it says of its data, and of how many models of every group its rows are."""
+    """Returns the line about the data: its description, and the number of models of every group."""
     text = f"Data: {study.data}."
     groups = about["models"]
     if groups:
         text += " Models: " + "; ".join(f"{count} {group}" for group, count in groups.items()) + "."
     config = about["config"]
-    asked = config.get("data") or "real" in config.get("benchmark", "")
-    if asked and groups and all(group.startswith(("generated", "procedural")) for group in groups):
+    wants_real = config.get("data") or "real" in config.get("benchmark", "")
+    if wants_real and groups and all(group.startswith(("generated", "procedural")) for group in groups):
         text += " THE REAL MODELS WERE ABSENT."
     return text
 
@@ -105,7 +108,7 @@ def _provenance(about: Row) -> str:
     )
     versions = ", ".join(f"{package} {version}" for package, version in about["versions"].items())
     return (
-        f"Size {about['size']}; {seed}; {about['wall_seconds']:.0f} s, begun {about['started']}; "
+        f"Size {about['size']}; {seed}; {about['wall_seconds']:.0f} s, started {about['started']}; "
         f"{machine['cpu']}, {machine['cores']} cores, {machine['system']}; {versions}; "
         f"commit {about['commit'] or 'unknown'}."
     )

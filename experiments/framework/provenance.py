@@ -1,4 +1,4 @@
-"""Where rows come from: command, configuration, commit, versions, machine, time, and what data they are of."""
+"""Provenance of results: command, configuration, commit, versions, machine and time; and how many models they cover."""
 
 import dataclasses
 import os
@@ -18,7 +18,15 @@ PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "optimistix", "robust-laplacian",
 
 
 def provenance(command: str, config: Any, size: str, started: datetime, seconds: float) -> Row:
-    """Where rows come from: commit, versions, machine, configuration (its seed among it), command, time."""
+    """Collects the provenance of results; the seed is part of the configuration.
+
+    Args:
+        command: command line that produced the results.
+        config: configuration, a dataclass.
+        size: "full" or "small", or another description of how much was run.
+        started: start of the run.
+        seconds: wall-clock time of the run.
+    """
     return {
         "command": command,
         "size": size,
@@ -32,7 +40,7 @@ def provenance(command: str, config: Any, size: str, started: datetime, seconds:
 
 
 def count_models(rows: list[Row]) -> dict[str, int]:
-    """How many models of every group, or objects of every benchmark, the rows are of."""
+    """Counts the objects that rows cover, by benchmark; or, if rows name no benchmark, the models by group."""
     benchmarks = {row["benchmark"]: row["objects"] for row in rows if "objects" in row}
     if benchmarks:
         return benchmarks
@@ -41,12 +49,12 @@ def count_models(rows: list[Row]) -> dict[str, int]:
 
 
 def _relative(value: Any) -> Any:
-    """A path of this machine as seen from the project: the files are kept, and read elsewhere."""
+    """Makes an absolute path relative to the checkout, because the files are kept and read on other machines."""
     return os.path.relpath(value, PROJECT) if isinstance(value, str) and Path(value).is_absolute() else value
 
 
 def current_commit() -> str:
-    """The commit, with a + where the working tree differs from it; empty outside a repository."""
+    """Returns the commit, with a + if the working tree differs from it; empty outside a repository."""
     try:
         head, changes = (
             subprocess.run(

@@ -1,4 +1,4 @@
-"""Several studies, one process after the other; one that fails does not stop the rest."""
+"""Runs several studies, each in its own process; a study that fails does not stop the others."""
 
 import os
 import subprocess
@@ -11,18 +11,18 @@ from experiments.framework.project import PROJECT
 from experiments.framework.run_study import NOT_MEASURED
 
 CACHE = {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1"}
-"""What several studies compile alike is compiled once: half of a small run is compilation."""
+"""Makes JAX cache every compiled function, so that studies share them: half of a small run is compilation."""
 
 
 def run_all(names: Sequence[str], options: Sequence[str]) -> dict[str, str]:
-    """Runs studies in turn, with a line each on the screen.
+    """Runs studies in turn and prints one line for each.
 
     Args:
-        names: which, in this order.
-        options: of all of them.
+        names: names of the studies, in the order in which they run.
+        options: command-line options, passed to every study.
 
     Returns:
-        Those that left no results, and why: "failed with status …" or "data absent".
+        The reason why a study left no results, by its name: "failed with status …" or "data absent".
     """
     missing = {}
     with TemporaryDirectory() as compiled:
@@ -37,8 +37,8 @@ def run_all(names: Sequence[str], options: Sequence[str]) -> dict[str, str]:
 
 
 def _run(name: str, options: Sequence[str], environment: Mapping[str, str]) -> str:
-    """Why there are no results; empty where there are."""
+    """Runs a study; returns why it left no results, or "" if it did."""
     command = [sys.executable, "-m", "experiments.run", name, *options]
-    # what it prints is in its files; errors and its progress bar are on the screen
+    # the printed table is also in the files; errors and the progress bar go to stderr, which stays visible
     status = subprocess.run(command, cwd=PROJECT, env=environment, stdout=subprocess.DEVNULL, check=False).returncode
     return {0: "", NOT_MEASURED: "data absent"}.get(status, f"failed with status {status}")

@@ -1,4 +1,4 @@
-"""Runs one study: writes its rows, table, figure and provenance, and prints the table."""
+"""Runs one study, writes its rows, table, figure and provenance, and prints the table."""
 
 import json
 import shlex
@@ -16,22 +16,22 @@ from experiments.framework.study import Study
 from experiments.framework.tables import markdown, text_table, write_rows
 
 FAILED = 1
-"""Exit status of a study that may not write where it was told to."""
+"""Exit status of a small run that would replace the results of a full one."""
 
 NOT_MEASURED = 3
-"""Exit status of a study whose data is absent."""
+"""Exit status of a study whose data is absent, or that has no rows."""
 
 
 def run_study(study: Study, argv: Sequence[str]) -> int:
     """Runs a study, writes its files and prints its summary.
 
-    Writes `NAME.csv` (the rows), `NAME.json` (summary and provenance), `NAME.md` (the summary as Markdown) and, where
-    the study draws, `NAME.png` and `NAME.pdf`. Where its data is absent, or where the folder has the results of a full
-    run and this one is small, it writes nothing.
+    Writes `NAME.csv` (the rows), `NAME.json` (summary and provenance), `NAME.md` (the summary as Markdown, with the
+    notes) and, if the study has a figure, `NAME.png` and `NAME.pdf`. Writes nothing if the data is absent, if there are
+    no rows, or if the run is small and the folder holds the results of a full run.
 
     Args:
-        study: the study.
-        argv: its options.
+        study: study to run.
+        argv: command-line options of the study.
 
     Returns:
         The exit status.
@@ -39,7 +39,7 @@ def run_study(study: Study, argv: Sequence[str]) -> int:
     name = study.name
     size, out, config = parse(study, argv)
     if size != "full" and _size(out / f"{name}.json") == "full":
-        print(f"{name}: {out} HOLDS THE RESULTS OF A FULL RUN, and a small one may not replace them", file=sys.stderr)
+        print(f"{name}: {out} HOLDS THE RESULTS OF A FULL RUN, which a small run does not replace: choose another --out", file=sys.stderr)
         return FAILED
     started, clock = datetime.now(UTC), perf_counter()
     try:
@@ -49,14 +49,14 @@ def run_study(study: Study, argv: Sequence[str]) -> int:
         return NOT_MEASURED
     seconds = perf_counter() - clock
     if not rows:
-        print(f"{name}: NOTHING WAS MEASURED, and nothing is written", file=sys.stderr)
+        print(f"{name}: NOTHING WAS MEASURED, nothing is written", file=sys.stderr)
         return NOT_MEASURED
     lines = study.summary(rows)
     out.mkdir(parents=True, exist_ok=True)
     write_rows(rows, out / f"{name}.csv")
     about = provenance(f"{PROGRAM} {shlex.join([name, *argv])}", config, size, started, seconds)
     about |= {"models": count_models(rows), "summary": lines}
-    (out / f"{name}.json").write_text(json.dumps(about, indent=1, default=_plain) + "\n", encoding="utf-8")
+    (out / f"{name}.json").write_text(json.dumps(about, indent=1, default=_json_value) + "\n", encoding="utf-8")
     texts = [markdown(lines), *([study.notes(rows)] if study.notes else [])]
     (out / f"{name}.md").write_text("\n\n".join(texts) + "\n", encoding="utf-8")
     if study.draw is not None:
@@ -67,9 +67,10 @@ def run_study(study: Study, argv: Sequence[str]) -> int:
 
 
 def _size(path: Path) -> str:
-    """The size of the run whose provenance is in a file; empty where there is none."""
+    """Returns the size of the run whose provenance is in a file; empty if the file does not exist."""
     return json.loads(path.read_text(encoding="utf-8")).get("size", "") if path.is_file() else ""
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
+    """Converts a NumPy or JAX scalar to a number, and anything else to text."""
     return value.item() if hasattr(value, "item") else str(value)
