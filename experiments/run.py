@@ -2,7 +2,7 @@
 
     python -m experiments.run list                  list the studies and what they show
     python -m experiments.run NAME --help           show the options of a study
-    python -m experiments.run NAME… [options]       run studies; several run one after the other, each in its own process
+    python -m experiments.run NAME… [options]       run studies, several one after the other in processes of their own
     python -m experiments.run all [--size small]    run all studies, then write the page of their results
     python -m experiments.run page                  write the page from the results that exist
 

@@ -1,4 +1,4 @@
-"""Clouds with known planes to detect: generated objects, and the real models of a folder."""
+"""Clouds with known mirror planes: generated objects, and the real models of a folder."""
 
 import sys
 from collections.abc import Iterable, Iterator
@@ -18,23 +18,24 @@ from symjax.io.points import read_points
 from symjax.method.result import Axis
 
 MODELS = PROJECT.parent / "shared" / "data"
-"""Where the real models are looked for: a folder with `planes.json` and the files that it names."""
+"""Default folder of the real models: it holds a `planes.json` (`experiments.data.listing`) and the files it names."""
 
 DENSE = 20_000
-"""Points on a real model, of which every case draws its own."""
+"""Points sampled once on a real model; every case is a random subset of them."""
 
 
 class Case(NamedTuple):
-    """A posed cloud and the planes that are right for it; none for an object without.
+    """A cloud in a random pose and its true mirror planes.
 
     Attributes:
-        name: model or kind.
-        group: "exact", "near-exact", "approximate", "generated" or, where no one plane is right, what it has.
-        points: the cloud in a random pose.
-        planes: the right planes, in the same pose.
-        diagonal: of the object's bounding box before it was turned.
-        seed: number of the case among those of its name.
-        axis: point and direction, in the same pose, of a generated solid of revolution.
+        name: name of the model, or kind of the generated object.
+        group: "generated" for a generated object with one plane, "generated, SYMMETRY" for any other; the `kind` of the
+            listing for a real model ("exact", "near-exact", "approximate", …).
+        points: the cloud in its pose.
+        planes: true planes in the same pose; empty if the object has none.
+        diagonal: diagonal of the object's bounding box before the pose.
+        seed: seed of the case; tells cases of the same name apart.
+        axis: point on and direction of the axis of a solid of revolution, in the same pose; None for other objects.
     """
 
     name: str
@@ -47,19 +48,19 @@ class Case(NamedTuple):
 
 
 def kinds_of(symmetry: Symmetry, most: int) -> list[str]:
-    """The first generated kinds of a symmetry."""
+    """Returns the first `most` generated kinds with a symmetry."""
     return [kind for kind, about in datasets.KINDS.items() if about.symmetry == symmetry][:most]
 
 
 def generated(num_points: int, seeds: int, kinds: Iterable[str] = tuple(datasets.KINDS)) -> Iterator[Case]:
-    """Some generated kinds, by default all, `seeds` objects of each."""
+    """Generates `seeds` objects of every kind, by default of all kinds."""
     for kind in kinds:
         for seed in range(seeds):
             yield made(kind, num_points, seed)
 
 
 def made(kind: str, num_points: int, seed: int) -> Case:
-    """An object of a kind in a random pose."""
+    """Generates an object of a kind in a random pose; the seed and the kind determine both."""
     rng = np.random.default_rng([seed, *kind.encode()])
     whole = datasets.generate(kind, num_points=num_points, rng=rng)
     posed = datasets.pose(whole, rng)
@@ -69,13 +70,13 @@ def made(kind: str, num_points: int, seed: int) -> Case:
 
 
 def real(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
-    """The models of a folder, sampled by area, in `seeds` random poses each; says so loudly where it is absent."""
+    """Samples the models of a folder by area, each in `seeds` random poses; warns on stderr if there is no listing."""
     listing = folder / LISTING
     if not listing.is_file():
-        print(f"REAL MODELS ARE ABSENT: no {listing}; pass --data FOLDER. Skipped.", file=sys.stderr)
+        print(f"REAL MODELS ARE ABSENT: no {listing}; pass --data FOLDER. They are skipped.", file=sys.stderr)
         return
     for name, entry in read_listing(listing).items():
-        # a depth-camera cloud has no surface to sample anew and no plane to compare with
+        # the PCD file is a depth-camera cloud: it has no surface to sample, and no true plane
         if Path(entry.file).suffix == ".pcd":
             continue
         dense = read_points(folder / entry.file, num_samples=DENSE, rng=7).points

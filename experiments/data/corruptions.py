@@ -1,6 +1,7 @@
-"""Clouds under the corruptions that methods are compared on.
+"""The conditions that methods are compared under: named corruptions, and the clouds that result from them.
 
-A cloud is posed first and corrupted then: a box of outliers along the object's own axes would share its symmetry.
+A cloud is posed first and then corrupted, because a box of outliers along the object's own axes would share its
+symmetry.
 """
 
 from collections.abc import Iterable, Iterator
@@ -25,7 +26,7 @@ CONDITIONS: dict[str, dict[str, Any]] = {
     "noise1": {"noise": 0.01},
     "view": {"one_sided": True},
 }
-"""Arguments of `datasets.corrupt` by the name of the condition."""
+"""Arguments of `datasets.corrupt`, by the name of the condition."""
 
 SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
     "out40": {"outliers": 0.4},
@@ -33,17 +34,18 @@ SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
     "out120": {"outliers": 1.2},
     "miss20": {"missing": 0.2},
 }
-"""The same, and what the sweeps of outliers and of missing parts have besides."""
+"""All conditions: those of `CONDITIONS`, and further steps of the sweeps of outliers and of missing parts."""
 
 ALL = ",".join(CONDITIONS)
+"""The names of `CONDITIONS`, as the value of an option `--conditions`."""
 
 
 class Trial(NamedTuple):
     """A case under a condition.
 
     Attributes:
-        case: the object, whole and posed.
-        condition: the name.
+        case: the whole object in its pose.
+        condition: name of the condition.
         points: the corrupted cloud.
     """
 
@@ -64,7 +66,7 @@ class Trial(NamedTuple):
 
 
 def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
-    """All cases under the first condition, then under the second, and so on; the same corruptions in every run."""
+    """Corrupts all cases by the first condition, then by the second, and so on; every run gives the same clouds."""
     cases = list(cases)
     for condition in conditions:
         for case in cases:

@@ -1,4 +1,4 @@
-"""Rows of numbers in a text file, read one by one: what is wrong is said with the file and the line."""
+"""Reads a text file of numbers row by row; errors name the file and the line."""
 
 from pathlib import Path
 
@@ -10,10 +10,10 @@ from symjax.io import parsing
 
 
 class NumberFile:
-    """A text file of numbers parted by white space; blank lines are passed over.
+    """A text file of numbers separated by white space; blank lines are skipped.
 
     Raises:
-        FileFormatError: the file is not text.
+        FileFormatError: if the file is not text.
     """
 
     def __init__(self, path: Path) -> None:
@@ -27,14 +27,14 @@ class NumberFile:
         self._position = 0
 
     def row(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        """The numbers of the next row.
+        """Reads the next row of numbers.
 
         Args:
-            count: how many there must be.
-            what: they are, for the message.
+            count: how many numbers the row must have.
+            what: what the numbers are, for the error message.
 
         Raises:
-            FileFormatError: the file has ended, or the row holds something else.
+            FileFormatError: if the file has ended or the row is not `count` finite numbers.
         """
         line = self._line(what)
         try:
@@ -42,37 +42,41 @@ class NumberFile:
         except ValueError:
             values = np.array([np.nan])
         if len(values) != count or not np.isfinite(values).all():
-            raise self.fault(f"{parsing.shown(line)} where {what} was expected, {count} finite numbers")
+            raise self.error(f"expected {what}, {count} finite numbers, got {parsing.shown(line)}")
         return values
 
     def count(self, what: str) -> int:
-        """The whole number, 0 or more, that is the next row."""
+        """Reads the next row as a whole number, 0 or more; `what` describes it in the error message.
+
+        Raises:
+            FileFormatError: if the file has ended or the row is anything else.
+        """
         line = self._line(what)
         if not line.strip().isdecimal():
-            raise self.fault(f"{parsing.shown(line)} where {what} was expected, a whole number")
+            raise self.error(f"expected {what}, a whole number, got {parsing.shown(line)}")
         return int(line)
 
     def finish(self) -> None:
-        """Checks that no row is left.
+        """Checks that all rows have been read.
 
         Raises:
-            FileFormatError: there is one.
+            FileFormatError: if a row is left.
         """
         if self.more:
-            raise self.fault(f"{parsing.shown(self._line(''))} where the file should end")
+            raise self.error(f"expected the end of the file, got {parsing.shown(self._line(''))}")
 
     @property
     def more(self) -> bool:
-        """Whether there is another row."""
+        """Whether a row is left."""
         return self._position < len(self._rows)
 
-    def fault(self, message: str) -> FileFormatError:
-        """An error about the row read last."""
+    def error(self, message: str) -> FileFormatError:
+        """Returns an error that names the file and the line of the row that was read last."""
         number = self._rows[self._position - 1][0] if self._position else 1
         return FileFormatError(f"{self.path}, line {number}: {message}")
 
     def _line(self, what: str) -> str:
         if not self.more:
-            raise self.fault(f"the file ends after it, where {what} was expected")
+            raise self.error(f"expected {what} after this line, but the file ends")
         self._position += 1
         return self._rows[self._position - 1][1]

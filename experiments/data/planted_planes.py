@@ -1,4 +1,4 @@
-"""Planted pairs and the planes that the paper's estimators make of them: what three experiments share."""
+"""Planted pairs, and the planes that the paper's estimators fit to them; shared by three studies."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,18 +13,27 @@ from symjax.geometry.plane import Plane
 from symjax.l2e.starts import initialisation
 
 AWAY = 1.5
-"""Distance, in radii of the blob, at which the centre of outliers "beside" it stands."""
+"""Distance of the outliers' centre from the blob's centre if they lie "beside" it, in radii of the blob."""
 
 PLACES = ("within", "beside")
+"""Where outlier pairs lie: within the blob, or beside it."""
 
 METHODS = ("L2E, RGA start", "L2E, 64 starts", "L2", "L2 as printed")
+"""Names of the estimators that `planes` runs."""
 
 
 def pairs(seed: list[int], num_pairs: int, outliers: float, blob: str, place: str = "within") -> PlantedPairs:
-    """Planted pairs whose outliers lie within the blob, or "beside" it as clutter in a random direction.
+    """Generates planted pairs with outlier pairs within the blob, or beside it as clutter in a random direction.
 
-    With one seed and more outliers the pose and the remaining mirror pairs stay. Outliers within the blob are symmetric
-    about its mirror on average, so they shake the least squares but do not pull it to a side; clutter does.
+    For one seed, more outliers change neither the pose nor the mirror pairs that remain. Outliers within the blob are
+    symmetric about its mirror plane on average: they add variance to least squares, but no bias. Clutter adds bias.
+
+    Args:
+        seed: seed of the pairs, a list as for `numpy.random.default_rng`.
+        num_pairs: number of pairs.
+        outliers: share of the pairs that are outliers, 0 to 1.
+        blob: shape of the blob: "isotropic", "thin" or "wide".
+        place: one of `PLACES`.
     """
     pool = planted_pairs(np.random.default_rng(seed), 2 * num_pairs, 0.0, blob)
     x, y = pool.x[:num_pairs], pool.y[:num_pairs]
@@ -38,7 +47,7 @@ def pairs(seed: list[int], num_pairs: int, outliers: float, blob: str, place: st
 
 
 def planes(x: Float[AnyArray, "n 3"], y: Float[AnyArray, "n 3"], sigma: float, restarts: int = 64) -> dict[str, Plane]:
-    """The plane of every one of `METHODS`. Call it under `jax.enable_x64(True)` for float64."""
+    """Fits a plane to the pairs by each of `METHODS`. Call it under `jax.enable_x64(True)` for float64."""
     x, y = jnp.asarray(x), jnp.asarray(y)
     swept = symjax.best(symjax.sweep(x, y, [sigma], fibonacci(restarts))).plane
     found = (
@@ -54,5 +63,5 @@ def planes(x: Float[AnyArray, "n 3"], y: Float[AnyArray, "n 3"], sigma: float, r
 
 
 def angle(plane: Plane, truth: PlantedPairs) -> float:
-    """Degrees between a plane and the planted one."""
+    """Returns the angle between a plane and the planted one, in degrees."""
     return float(distance.deviation_angle(plane.normal, truth.normal))

@@ -1,9 +1,9 @@
 """A generated benchmark: 1 354 objects of `symjax.datasets`.
 
-That is the number of objects in the benchmark of Funk et al., and all that the two have in common.
+The benchmark of Funk et al. has the same number of objects; the two have nothing else in common.
 
-Number k depends on the seed and on k alone: objects are made when they are asked for, in any order, and any run of
-consecutive numbers has all kinds in equal shares.
+Object number k depends only on k and the seed, so objects can be generated on demand and in any order. Kinds alternate
+with k, so that consecutive objects cover all kinds equally.
 """
 
 from experiments.data.cases import Case, made
@@ -11,28 +11,28 @@ from symjax.datasets import KINDS
 from symjax.errors import InvalidArgumentError
 
 NAME = "procedural-1354"
-"""What tables call it: a figure on it is no figure on the benchmark of Funk et al."""
+"""Name in the tables; it avoids the name of Funk's benchmark, whose results are not comparable."""
 
 NUM_OBJECTS = 1354
 
 PROCEDURAL_KINDS = tuple(kind for kind, about in KINDS.items() if about.symmetry in ("single", "multiple"))
-"""The kinds with one plane or with several."""
+"""Kinds of objects with one mirror plane or several."""
 
 SEED = 1
-"""With 0 some objects would be those of `cases.generated`, on which thresholds were chosen."""
+"""Not 0, because with 0 some objects would be those of `cases.generated`, on which thresholds were chosen."""
 
 
 def kind(k: int) -> str:
-    """The kind of object number k, which is its name."""
+    """Returns the kind of object number k, which is also its name."""
     return PROCEDURAL_KINDS[k % len(PROCEDURAL_KINDS)]
 
 
 def generated_object(k: int, num_points: int = 5000, *, seed: int = SEED) -> Case:
-    """Object number k in a random pose; its name is its kind, its seed tells it from all others.
+    """Generates object number k in a random pose; its name is its kind, and its seed is unique.
 
     Raises:
-        InvalidArgumentError: k is not from 0 to 1353.
+        InvalidArgumentError: if k is not from 0 to 1353.
     """
     if not 0 <= k < NUM_OBJECTS:
-        raise InvalidArgumentError(f"object {k} of {NAME}: 0 to {NUM_OBJECTS - 1} expected")
+        raise InvalidArgumentError(f"{NAME} has no object {k}: choose from 0 to {NUM_OBJECTS - 1}")
     return made(kind(k), num_points, NUM_OBJECTS * seed + k)

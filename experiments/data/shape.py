@@ -1,4 +1,4 @@
-"""An object of a benchmark in its own frame, and the posed cases that are made of it."""
+"""An object of a benchmark in its own frame, which samples clouds of itself in random poses."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -18,16 +18,16 @@ from symjax.method.result import Axis
 
 
 class Shape(NamedTuple):
-    """A surface and the planes that are right for it.
+    """A surface and its true mirror planes.
 
     Attributes:
-        name: within its benchmark.
-        group: the benchmark, and which part of it.
-        surface: a mesh; a cloud has no triangles.
-        planes: none where the benchmark publishes none for it.
-        diagonal: of the bounding box in the shape's own frame; it stays when the shape is posed.
-        axis: point and direction; every plane through it is right as well.
-        corners: three of the rectangle of every plane, where the benchmark publishes them.
+        name: name within the benchmark.
+        group: the benchmark, and the part of it.
+        surface: a mesh; without triangles if the benchmark publishes a cloud.
+        planes: true planes; empty if the benchmark publishes none for the object.
+        diagonal: diagonal of the bounding box in the object's own frame; a pose does not change it.
+        axis: point on and direction of an axis of revolution; every plane through it is a true plane as well.
+        corners: three corners of the rectangle of every plane, if the benchmark publishes rectangles.
     """
 
     name: str
@@ -39,9 +39,9 @@ class Shape(NamedTuple):
     corners: Float[np.ndarray, "k 3 3"] | None = None
 
     def posed(self, seed: int) -> "Shape":
-        """In the random pose of a seed: turned, perhaps reflected, and shifted, mesh, planes and corners alike."""
-        by_number: tuple[Symmetry, ...] = ("none", "single", "multiple")
-        symmetry: Symmetry = "continuous" if self.axis else by_number[min(len(self.planes), 2)]
+        """Returns the shape in a random pose, rotated or reflected and shifted, that the seed and the name determine."""
+        by_count: tuple[Symmetry, ...] = ("none", "single", "multiple")
+        symmetry: Symmetry = "continuous" if self.axis else by_count[min(len(self.planes), 2)]
         normals = np.array([plane.normal for plane in self.planes]).reshape(-1, 3)
         offsets = np.array([float(plane.offset) for plane in self.planes])
         count = len(self.surface.vertices)
@@ -58,23 +58,30 @@ class Shape(NamedTuple):
         )
 
     def points(self, num_points: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-        """Points uniform by area on a mesh; of a cloud at most so many of its own."""
+        """Samples a mesh uniformly by area, or draws at most `num_points` points of a cloud without replacement."""
         if len(self.surface.triangles):
             return mesh.sample(self.surface, num_points, rng)
         return self.surface.vertices[rng.permutation(len(self.surface.vertices))[:num_points]]
 
     def case(self, num_points: int, seed: int) -> Case:
-        """A cloud of the shape as `posed(seed)` has it."""
+        """Samples a cloud on the shape in the pose `posed(seed)`."""
         posed = self.posed(seed)
         points = posed.points(num_points, np.random.default_rng([seed, 1, *self.name.encode()]))
         return Case(self.name, self.group, points, posed.planes, self.diagonal, seed, posed.axis)
 
 
 def read_shape(path: Path, name: str, group: str, planes: Iterable[Plane] = (), axis: Axis | None = None) -> Shape:
-    """A shape whose surface is in a file.
+    """Reads the surface of a shape from a mesh or a cloud in any format that symjax reads.
+
+    Args:
+        path: file of the surface.
+        name: name of the object within the benchmark.
+        group: the benchmark, and the part of it.
+        planes: true planes in the frame of the file, with unit normals.
+        axis: point on and direction of an axis of revolution, if there is one.
 
     Raises:
-        FileFormatError: the file is not what its extension says, or damaged.
+        FileFormatError: if the file is damaged or not of the format that its extension names.
     """
     surface = _read_surface(path)
     used = surface.vertices[surface.triangles.ravel()] if len(surface.triangles) else surface.vertices
@@ -91,6 +98,6 @@ def _read_surface(path: Path) -> mesh.Mesh:
 
 
 def through(normal: Float[np.ndarray, " 3"], point: Float[np.ndarray, " 3"]) -> Plane:
-    """The plane through a point; the normal need not be of unit length."""
+    """Returns the plane through a point; the normal need not be of unit length."""
     unit = normal / np.linalg.norm(normal)
     return Plane(unit, np.asarray(unit @ point))

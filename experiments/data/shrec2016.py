@@ -1,9 +1,9 @@
-"""SHREC'16 "Partial matching of deformable shapes" (Cosmo et al. 2016): animals and people with cuts or holes.
+"""Loads SHREC'16 "Partial matching of deformable shapes" (Cosmo et al. 2016): animals and people with cuts or holes.
 
-OFF meshes in the folders `cuts` and `holes`, and the whole shapes in rest pose in `null`, as the archive's README has
-it. The track publishes correspondences and no planes, and a body that is bent has none: the paper shows what it finds
-on eight shapes and scores nothing. Planes that someone annotates are read from a `planes.json` of the form of
-`listing`, beside these folders.
+The folders `cuts` and `holes` hold OFF meshes, and `null` holds the whole shapes in rest pose, as described in the
+archive's README. The track publishes correspondences but no planes, and a bent body has no mirror plane: the paper
+shows its results on eight shapes without a score. If a `planes.json` (`experiments.data.listing`) with annotated planes
+lies beside these folders, the loader uses it.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from experiments.data.listing import LISTING, read_listing
 from experiments.data.shape import Shape, read_shape
-from experiments.framework.absence import DataAbsentError, required
+from experiments.framework.absence import DataAbsentError, require
 
 INSTRUCTIONS = """SHREC'16: partial matching of deformable shapes.
 Get http://www.dais.unive.it/~shrec2016/data/shrec2016_PartialDeformableShapes.zip (training) or
@@ -19,21 +19,21 @@ http://www.dais.unive.it/~shrec2016/data/shrec2016_PartialDeformableShapes_TestS
   FOLDER/cuts/cuts_NAME_shape_NUMBER.off
   FOLDER/holes/holes_NAME_shape_NUMBER.off
   FOLDER/null/NAME.off
-  FOLDER/planes.json       planes annotated by you, if any; a name is that of the OFF file without its extension"""
+  FOLDER/planes.json       your own annotations, if any, by the name of the OFF file without its extension"""
 
 
 def load(folder: Path, part: str = "cuts") -> Iterator[Shape]:
-    """The shapes of one part, by name; with planes only where they are annotated.
+    """Loads the shapes of one part, in the order of their names; a shape without annotation has no planes.
 
     Args:
-        folder: laid out as `INSTRUCTIONS` say.
+        folder: a folder with the layout of `INSTRUCTIONS`.
         part: "cuts", "holes" or "null".
 
     Raises:
-        DataAbsentError: there is no such folder, or no OFF file in it.
-        FileFormatError: a file is malformed.
+        DataAbsentError: if the folder of the part does not exist or holds no OFF file.
+        FileFormatError: if a file is malformed.
     """
-    paths = sorted(required(folder / part, INSTRUCTIONS).glob("*.off"))
+    paths = sorted(require(folder / part, INSTRUCTIONS).glob("*.off"))
     if not paths:
         raise DataAbsentError(f"DATA IS ABSENT: no *.off in {folder / part}\n{INSTRUCTIONS}")
     annotated = folder / LISTING

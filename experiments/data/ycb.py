@@ -1,9 +1,10 @@
-"""The 21 objects of YCB-Video with planes annotated by Wu et al. (arXiv 2003.06520).
+"""Loads the 21 objects of YCB-Video, with planes annotated by Wu et al. (arXiv 2003.06520).
 
-`symmetries.txt` has five lines an object, in the order of YCB-Video: a point, three normals of mirror planes through
-it, and one direction, each 0 0 0 where there is none. The file and its use (`mirror`, `center`) are in their
-repository; that the fifth line is the axis of a solid of revolution is read off the file itself: the cans, the bowl and
-the marker have one. Where the models come from, and their files' names, are from memory.
+`symmetries.txt` has five lines per object, in the order of YCB-Video: a point, the normals of three mirror planes
+through it, and one direction. A line 0 0 0 means that there is no such plane or direction. The file, and code that
+reads it (`mirror`, `center`), are in the authors' repository. That the direction is the axis of a solid of revolution
+is our conclusion from the file: the cans, the bowl and the marker have one. The source of the models and their file
+names are from memory, not checked.
 """
 
 from collections.abc import Iterator
@@ -11,10 +12,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from experiments.data.numberfile import NumberFile
 from experiments.data.shape import Shape, read_shape, through
-from experiments.framework.absence import DataAbsentError, required
+from experiments.framework.absence import DataAbsentError, require
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis
 
@@ -30,40 +32,45 @@ NAMES = (
     *("019_pitcher_base", "021_bleach_cleanser", "024_bowl", "025_mug", "035_power_drill", "036_wood_block"),
     *("037_scissors", "040_large_marker", "051_large_clamp", "052_extra_large_clamp", "061_foam_brick"),
 )
-"""In the order of YCB-Video."""
+"""Names of the objects, in the order of YCB-Video."""
 
 FILES = ("textured.obj", "textured_simple.obj", "points.xyz")
-"""Of a model, the best first."""
+"""File names of a model; the first that exists is read."""
 
-UNIT = 0.01
-"""Largest difference from 1 of the length of a normal."""
+UNIT_TOLERANCE = 0.01
+"""Largest difference between the length of an annotated direction and 1."""
 
 
 class Symmetries(NamedTuple):
-    """What is annotated for an object: mirror planes, and an axis of revolution."""
+    """The annotation of an object.
+
+    Attributes:
+        planes: mirror planes, with unit normals.
+        axis: point on and direction of the axis of revolution, if there is one.
+    """
 
     planes: tuple[Plane, ...]
     axis: Axis | None
 
 
 def load(folder: Path) -> Iterator[Shape]:
-    """The 21 objects with their planes and axes.
+    """Loads the 21 objects with their planes and axes.
 
     Raises:
-        DataAbsentError: annotations or a model are not there.
-        FileFormatError: a file is malformed.
+        DataAbsentError: if the annotations or a model do not exist.
+        FileFormatError: if a file is malformed.
     """
-    annotated = read_symmetries(required(folder / "symmetries.txt", INSTRUCTIONS))
+    annotated = read_symmetries(require(folder / "symmetries.txt", INSTRUCTIONS))
     models = [_model(folder / "models" / name) for name in NAMES]
     rows = zip(NAMES, models, annotated, strict=True)
     return (read_shape(model, name, "YCB", own.planes, own.axis) for name, model, own in rows)
 
 
 def read_symmetries(path: Path) -> list[Symmetries]:
-    """The annotations of all objects.
+    """Reads the annotations of all objects.
 
     Raises:
-        FileFormatError: it is malformed; file and line are named.
+        FileFormatError: if the file is malformed; the message names the file and the line.
     """
     file = NumberFile(path)
     objects = []
@@ -77,14 +84,14 @@ def read_symmetries(path: Path) -> list[Symmetries]:
     return objects
 
 
-def _direction(file: NumberFile, what: str) -> np.ndarray | None:
-    """A unit vector; None where it is annotated as 0."""
+def _direction(file: NumberFile, what: str) -> Float[np.ndarray, " 3"] | None:
+    """Reads a direction and normalises it; returns None if it is annotated as 0 0 0."""
     vector = file.row(3, what)
-    length = np.linalg.norm(vector)
+    length = float(np.linalg.norm(vector))
     if length == 0:
         return None
-    if abs(length - 1) > UNIT:
-        raise file.fault(f"a direction of length {length:.3g}: 1 or 0 expected")
+    if abs(length - 1) > UNIT_TOLERANCE:
+        raise file.error(f"expected a direction of length 1 or 0, got length {length:.3g}")
     return vector / length
 
 

@@ -30,11 +30,11 @@ python -m experiments.run all --size small      # all studies, and a page of the
 python -m experiments.run page                  # this page, from the results that exist
 ```
 
-**Data.** The paper's benchmark (1 354 clouds of Funk et al. 2017) is not used unless a section says so. Most studies run
-on objects that symjax generates; their numbers cannot be compared with the paper's, table by table. Some studies also
-take real models, by `--data FOLDER`. The folder holds a `planes.json` (`{"name": {"file": …, "normal": […] or null,
-"offset": … or null, "kind": …}}`) and the files that it names; the default is `../shared/data` beside the checkout. If
-the real models are absent, these studies say so and run without them.
+**Data.** The paper's benchmark (1 354 clouds of Funk et al. 2017) is not used unless a section says so. Most studies
+run on objects that symjax generates; their numbers cannot be compared with the paper's, table by table. Some studies
+also take real models, by `--data FOLDER`. The folder holds a `planes.json` (`{"name": {"file": …, "normal": […] or
+null, "offset": … or null, "kind": …}}`) and the files that it names; the default is `../shared/data` beside the
+checkout. If the real models are absent, these studies say so and run without them.
 
 **Protocol.** Points are sampled at random from the surface. The cloud is posed first (random rotation or reflection,
 and shift) and then corrupted, because a box of outliers along the object's own axes would itself be symmetric. Unless a

@@ -39,7 +39,7 @@ def run_study(study: Study, argv: Sequence[str]) -> int:
     name = study.name
     size, out, config = parse(study, argv)
     if size != "full" and _size(out / f"{name}.json") == "full":
-        print(f"{name}: {out} HOLDS THE RESULTS OF A FULL RUN, which a small run does not replace: choose another --out", file=sys.stderr)
+        print(f"{name}: {out} HOLDS THE RESULTS OF A FULL RUN; a small run needs another --out", file=sys.stderr)
         return FAILED
     started, clock = datetime.now(UTC), perf_counter()
     try:

@@ -39,7 +39,7 @@ def write(path, text):
 
 
 def same(plane, normal, offset):
-    """Whether a plane is another, whatever the sign."""
+    """Whether a plane has this normal and offset, up to a common sign."""
     n, w = plane.canonical()
     other = Plane(np.array(normal, float), np.asarray(float(offset))).canonical()
     return np.allclose(n, other.normal, atol=1e-9) and np.allclose(w, other.offset, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Data that is not here."""
+"""Loaders refuse absent data with instructions for getting it."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Any folder of meshes with a listing of planes."""
+"""A folder of meshes with a listing of planes."""
 
 import json
 
@@ -9,7 +9,7 @@ from symjax.errors import FileFormatError
 from tests.experiments.data.files import OBJ, OFF, same, write
 
 
-def test_a_folder_of_any_meshes(tmp_path):
+def test_a_listing_gives_planes_and_groups(tmp_path):
     write(tmp_path / "models" / "a.off", OFF)
     write(tmp_path / "b.obj", OBJ)
     listing = {
@@ -30,10 +30,10 @@ def test_a_folder_of_any_meshes(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"a":\n {"file" "a.off"}}', "line 2: no JSON"),
-        ("[]", "an object of entries"),
-        ('{"a": {"normal": [1, 0, 0], "offset": 0}}', "entry 'a': no \"file\""),
-        ('{"a": {"file": "a.off"}}', "entry 'a': neither"),
+        ('{"a":\n {"file" "a.off"}}', "line 2: not JSON"),
+        ("[]", "expected a JSON object .* got list"),
+        ('{"a": {"normal": [1, 0, 0], "offset": 0}}', "entry 'a': \"file\" is missing"),
+        ('{"a": {"file": "a.off"}}', "entry 'a': \"planes\" or \"normal\" is missing"),
         ('{"a": {"file": "a.off", "normal": [1, 0], "offset": 0}}', "entry 'a': a plane needs"),
         ('{"a": {"file": "a.off", "normal": [0, 0, 0], "offset": 0}}', "entry 'a': a plane needs"),
         ('{"a": {"file": "a.off", "planes": [{"normal": [1, 0, 0]}]}}', "entry 'a': a plane needs"),

@@ -10,7 +10,7 @@ from symjax.errors import FileFormatError
 from tests.experiments.data.files import OFF, PLY, TABLE, same, write
 
 
-def test_funk(tmp_path):
+def test_funk_models_are_loaded_with_their_planes(tmp_path):
     write(tmp_path / "table.ply", PLY)
     write(tmp_path / "table-plane.txt", TABLE)
     write(tmp_path / "a.b-.ply", PLY)
@@ -24,7 +24,7 @@ def test_funk(tmp_path):
     assert table.diagonal == pytest.approx(np.sqrt(2))
 
 
-def test_rectangles_of_funk_go_with_their_shape_into_a_pose(tmp_path):
+def test_a_pose_moves_rectangles_with_their_shape(tmp_path):
     write(tmp_path / "table.ply", PLY)
     write(tmp_path / "table-plane.txt", TABLE)
     (shape,) = funk.load(tmp_path)
@@ -39,7 +39,7 @@ def test_rectangles_of_funk_go_with_their_shape_into_a_pose(tmp_path):
     np.testing.assert_array_equal(whole.truths.centres, after.centres)
 
 
-def test_funk_gives_the_rectangles_of_a_file(tmp_path):
+def test_corners_of_funk_are_those_of_rectangles(tmp_path):
     corners = funk.read_corners(write(tmp_path / "table-plane.txt", TABLE))
     assert patch.from_corners(corners).centres == pytest.approx(np.zeros((2, 3)))
 
@@ -51,9 +51,9 @@ def test_funk_gives_the_rectangles_of_a_file(tmp_path):
         ("1\n0 0 0\n0 1\n0 0 1\n3\n", 3, "a corner"),
         ("1\n0 0 0\n0 1 x\n0 0 1\n3\n", 3, "a corner"),
         ("1\n0 0 0\n0 nan 0\n0 0 1\n3\n", 3, "a corner"),
-        ("1\n\n0 0 0\n0 1 0\n0 2 0\n3\n", 5, "one line"),
-        ("1\n0 0 0\n0 1 0\n0 0 1\n", 4, "the file ends"),
-        ("1\n0 0 0\n0 1 0\n0 0 1\n3\n4\n", 6, "should end"),
+        ("1\n\n0 0 0\n0 1 0\n0 2 0\n3\n", 5, "collinear"),
+        ("1\n0 0 0\n0 1 0\n0 0 1\n", 4, "but the file ends"),
+        ("1\n0 0 0\n0 1 0\n0 0 1\n3\n4\n", 6, "expected the end of the file"),
         ("", 1, "the file ends"),
     ],
 )
@@ -63,11 +63,11 @@ def test_a_malformed_file_of_funk_is_refused_by_line(text, line, message, tmp_pa
         funk.read_corners(path)
 
 
-def test_funk_refuses_models_and_planes_that_do_not_pair(tmp_path):
+def test_funk_refuses_models_without_planes_and_planes_without_model(tmp_path):
     write(tmp_path / "one-plane.txt", "0\n")
     write(tmp_path / "two.ply", PLY)
-    with pytest.raises(FileFormatError, match="1 models without planes, 1 the reverse: 'two'"):
+    with pytest.raises(FileFormatError, match=r"1 models have no file of planes, 1 files .*; for example, model 'two'"):
         funk.load(tmp_path)
     write(tmp_path / "two.off", OFF)
-    with pytest.raises(FileFormatError, match="2 model files, and only 1 names"):
+    with pytest.raises(FileFormatError, match="2 model files share 1 names"):
         funk.load(tmp_path)

@@ -1,4 +1,4 @@
-"""Files of numbers."""
+"""Text files of numbers."""
 
 import pytest
 

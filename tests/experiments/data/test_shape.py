@@ -1,4 +1,4 @@
-"""A shape and its planes in a random pose."""
+"""Shapes in random poses."""
 
 import json
 
@@ -9,7 +9,7 @@ from experiments.data import folder
 from tests.experiments.data.files import OFF, write
 
 
-def test_planes_go_with_their_shape_into_a_pose(tmp_path):
+def test_a_pose_moves_planes_with_their_shape(tmp_path):
     write(tmp_path / "a.off", OFF)
     # the tetrahedron is its own mirror image in x = y
     listing = {"a": {"file": "a.off", "normal": [1, -1, 0], "offset": 0, "kind": "exact"}}

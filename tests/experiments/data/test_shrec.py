@@ -11,7 +11,7 @@ from symjax.errors import FileFormatError
 from tests.experiments.data.files import OFF, same, write
 
 
-def test_shrec2023(tmp_path):
+def test_shrec2023_clouds_are_loaded_with_their_planes(tmp_path):
     for number in (10, 9):
         write(tmp_path / f"points{number}.txt", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
         write(tmp_path / f"points{number}_sym.txt", "2\n2 0 0 0.5 7 7\n0 0 -1 0 0 0.25\n")
@@ -38,7 +38,7 @@ def test_shrec2023_needs_planes_for_every_cloud(tmp_path):
         shrec2023.load(tmp_path)
 
 
-def test_shrec2016(tmp_path):
+def test_shrec2016_shapes_have_planes_only_if_annotated(tmp_path):
     write(tmp_path / "cuts" / "cuts_cat_shape_1.off", OFF)
     write(tmp_path / "cuts" / "cuts_cat_shape_2.off", OFF)
     assert [(shape.name, shape.planes) for shape in shrec2016.load(tmp_path)] == [

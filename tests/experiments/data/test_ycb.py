@@ -10,12 +10,12 @@ from tests.experiments.data.files import OBJ, same, write
 
 
 def symmetries(**blocks):
-    """An annotation of all objects: a can, and by number what is given."""
+    """Annotations of all objects: that of a can, unless another is passed for the k-th object as `bk`."""
     can = "0 0 0.5\n0 0.6 0.8\n0 0 0\n0 0 0\n0 0 1\n"
     return "\n".join(blocks.get(f"b{k}", can) for k in range(len(ycb.NAMES)))
 
 
-def test_ycb(tmp_path):
+def test_ycb_objects_are_loaded_with_planes_and_axes(tmp_path):
     for name in ycb.NAMES:
         write(tmp_path / "models" / name / "points.xyz", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
     write(tmp_path / "models" / ycb.NAMES[1] / "textured.obj", OBJ)
@@ -32,17 +32,17 @@ def test_ycb(tmp_path):
 
 def test_a_malformed_annotation_of_ycb_is_refused_by_line(tmp_path):
     path = write(tmp_path / "symmetries.txt", symmetries(b1="0 0 0\n0 0 0\n0 2 0\n0 0 0\n0 0 0\n"))
-    with pytest.raises(FileFormatError, match="line 9: a direction of length 2"):
+    with pytest.raises(FileFormatError, match=r"line 9: .* got length 2"):
         ycb.read_symmetries(path)
     write(path, symmetries().rsplit("\n", 2)[0])
-    with pytest.raises(FileFormatError, match="the axis of 061_foam_brick was expected"):
+    with pytest.raises(FileFormatError, match=r"expected the axis of 061_foam_brick .* the file ends"):
         ycb.read_symmetries(path)
     write(path, symmetries())
     with pytest.raises(DataAbsentError, match="002_master_chef_can"):
         ycb.load(tmp_path)
 
 
-def test_an_axis_goes_into_a_pose(tmp_path):
+def test_a_pose_moves_the_axis_with_the_object(tmp_path):
     for name in ycb.NAMES:
         write(tmp_path / "models" / name / "textured.obj", OBJ)
     write(tmp_path / "symmetries.txt", symmetries())
