@@ -33,7 +33,7 @@ def test_a_listing_gives_planes_and_groups(tmp_path):
         ('{"a":\n {"file" "a.off"}}', "line 2: not JSON"),
         ("[]", "expected a JSON object .* got list"),
         ('{"a": {"normal": [1, 0, 0], "offset": 0}}', "entry 'a': \"file\" is missing"),
-        ('{"a": {"file": "a.off"}}', "entry 'a': \"planes\" or \"normal\" is missing"),
+        ('{"a": {"file": "a.off"}}', 'entry \'a\': "planes" or "normal" is missing'),
         ('{"a": {"file": "a.off", "normal": [1, 0], "offset": 0}}', "entry 'a': a plane needs"),
         ('{"a": {"file": "a.off", "normal": [0, 0, 0], "offset": 0}}', "entry 'a': a plane needs"),
         ('{"a": {"file": "a.off", "planes": [{"normal": [1, 0, 0]}]}}', "entry 'a': a plane needs"),
