@@ -39,7 +39,7 @@ class Shape(NamedTuple):
     corners: Float[np.ndarray, "k 3 3"] | None = None
 
     def posed(self, seed: int) -> "Shape":
-        """Returns the shape in a random pose, turned, reflected or not, and shifted; the seed determines it."""
+        """Returns the shape in a random pose: turned, perhaps reflected, and shifted. The seed determines the pose."""
         by_count: tuple[Symmetry, ...] = ("none", "single", "multiple")
         symmetry: Symmetry = "continuous" if self.axis else by_count[min(len(self.planes), 2)]
         normals = np.array([plane.normal for plane in self.planes]).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Where tasks run: on this machine, or on a cluster. Either way in workers that can be killed."""
+"""Runs tasks on this machine or on a cluster, in both cases in worker processes that can be killed."""
 
 import warnings
 from collections.abc import Generator, Sequence
@@ -13,49 +13,52 @@ from experiments.execution.worker_pool import WorkerPool
 
 
 def on_machine(tasks: Sequence[Task], limits: Limits, jobs: int) -> Generator[Result, None, None]:
-    """Results as they come, `jobs` tasks at a time (joblib's count: −1 is one a core)."""
-    # threads that only wait, each for a process of its own: joblib's processes cannot be killed one by one, and outlive
-    # a runner that is killed
+    """Runs `jobs` tasks at a time (−1: one per core) and yields their results in order of completion."""
+    # every thread only waits for a worker process of its own: joblib's own processes cannot be killed one by one, and
+    # they outlive a killed runner
     parallel = Parallel(n_jobs=jobs, backend="threading", batch_size=1, return_as="generator_unordered")
     with WorkerPool() as pool, warnings.catch_warnings():
-        # a run that is interrupted need not hear that results were not used
+        # joblib warns about unused results when a run is interrupted
         warnings.filterwarnings("ignore", ".*limit unnecessary computation time")
         yield from parallel(delayed(pool.attempt)(task, limits) for task in tasks)
 
 
 POOLS: dict[str, WorkerPool] = {}
-"""Of a process of the cluster, by the run: workers that a killed run left there still run the old code."""
+"""The pool of every run in this process of a cluster; the workers of a killed run would still run its old code."""
 
 
 def on_cluster(tasks: Sequence[Task], limits: Limits, address: str) -> Generator[Result, None, None]:
-    """Results as they come from a dask.distributed scheduler, whose workers can import `experiments`.
+    """Runs tasks on a dask.distributed cluster and yields their results in order of completion.
+
+    The workers of the cluster must be able to import `experiments`.
 
     Raises:
-        OSError: the scheduler is gone.
-        RuntimeError: a function cannot be loaded, or tasks were given up, as all processes that did them ended.
+        OSError: if the scheduler cannot be reached.
+        RuntimeError: if a function cannot be loaded, or if the cluster gave up tasks because all processes that ran
+            them ended.
     """
     from distributed import CancelledError, Client, as_completed
     from distributed.scheduler import KilledWorker
 
     lost, run = 0, uuid4().hex
-    with Client(address, set_as_default=False) as client:
-        client.run(_dismiss, on_error="ignore")
+    with Client(address, set_as_default=False) as client:  # type: ignore[no-untyped-call]  # not annotated by dask
+        client.run(_end_idle, on_error="ignore")
         try:
-            # joblib's backend for a cluster waits for ever for a task that was given up
+            # not joblib's backend for a cluster: it waits for ever for a task that the cluster gave up
             futures = client.map(_attempt, tasks, limits=limits, run=run, pure=False)
-            for future in as_completed(futures, loop=client.loop):
+            for future in as_completed(futures, loop=client.loop):  # type: ignore[no-untyped-call]  # likewise
                 try:
                     result = future.result()
                 except (KilledWorker, CancelledError):
                     lost += 1
                     continue
-                # a result that is kept there would be computed anew if its process were lost
+                # the cluster recomputes results that it keeps if their process is lost
                 future.release()
                 yield result
         finally:
             client.run(_close, run, on_error="ignore")
     if lost:
-        raise RuntimeError(f"{lost} tasks were lost with the processes of the cluster: run again for them")
+        raise RuntimeError(f"{lost} tasks were lost with processes of the cluster: run again to repeat them")
 
 
 def _pool(run: str) -> WorkerPool:
@@ -66,9 +69,9 @@ def _attempt(task: Task, limits: Limits, run: str) -> Result:
     return _pool(run).attempt(task, limits)
 
 
-def _dismiss() -> None:
+def _end_idle() -> None:
     for pool in list(POOLS.values()):
-        pool.dismiss()
+        pool.end_idle()
 
 
 def _close(run: str) -> None:

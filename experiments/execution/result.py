@@ -1,26 +1,26 @@
-"""What came of a task."""
+"""The result of a task."""
 
 from typing import Any, Literal, NamedTuple
 
 from experiments.execution.task import Parameters
 
 Status = Literal["ok", "error", "timeout", "memory", "died"]
-"""Returned a row; raised; over the time; over the memory; its process ended by itself."""
+"""How a task ended: it returned a row, raised an error, exceeded the time or the memory limit, or its process died."""
 
 
 class Result(NamedTuple):
-    """A line of the file of results.
+    """One line of the file of results.
 
     Attributes:
-        identity: of the task.
-        task: its parameters.
-        status: how it ended.
-        row: what the function returned; empty unless the status is "ok".
-        failure: why there is no row.
-        seconds: that it took, as a clock on the wall measures.
-        host: the machine that it ran on.
-        commit: of the code that was checked out, + where that was changed; empty where unknown, as in lines of old.
-        limit: that ended it, seconds ("timeout") or MiB ("memory"); None where none did, and in lines of old.
+        identity: identity of the task.
+        task: parameters of the task.
+        status: how the task ended.
+        row: return value of the function; empty unless the status is "ok".
+        failure: why there is no row; empty if the status is "ok".
+        seconds: wall-clock time of the call.
+        host: name of the machine.
+        commit: commit of the code, with a + if the checkout had uncommitted changes; empty if unknown, as in old lines.
+        limit: the limit that ended the task, in seconds ("timeout") or MiB ("memory"); None otherwise and in old lines.
     """
 
     identity: str
@@ -34,10 +34,10 @@ class Result(NamedTuple):
     limit: float | None = None
 
     def repeats(self, earlier: "Result | None") -> bool:
-        """Whether an earlier line of the task says the same, but for how long it took and where."""
+        """Returns whether an earlier result of the task is the same, apart from the time it took and the machine."""
         return earlier is not None and self == earlier._replace(task=self.task, seconds=self.seconds, host=self.host)
 
     @property
     def columns(self) -> dict[str, Any]:
-        """The parameters, the row and how it ended, as one row of a table."""
+        """Parameters, row, status and failure as one row of a table."""
         return {**self.task, **self.row, "status": self.status, "failure": self.failure}

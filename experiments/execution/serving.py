@@ -1,6 +1,6 @@
-"""Inside a task's process: loads a function and calls it for one task after another, as the other end of a pipe asks.
+"""The program of a worker process: loads a function and calls it for every task that arrives through a pipe.
 
-Started by `experiments.execution.worker`: `python -m experiments.execution.serving PIPE PARENT module:function`.
+`experiments.execution.worker` starts it by `python -m experiments.execution.serving PIPE PARENT module:function`.
 """
 
 import ctypes
@@ -23,64 +23,72 @@ import numpy as np
 from experiments.execution.task import Task
 
 PR_SET_PDEATHSIG = 1
-"""From Linux's `sys/prctl.h`."""
+"""Constant of Linux's `sys/prctl.h`."""
 
 
-def _bind(parent: int) -> None:
-    """Ends this process with the one that started it, even within C; elsewhere than on Linux, after the task."""
+def _die_with(parent: int) -> None:
+    """Makes the kernel kill this process when its parent ends, even within C code. Only Linux can do this.
+
+    On other systems the process ends after its current task, when it finds the pipe closed.
+    """
     if sys.platform != "linux":
         return
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         sys.exit()
-    # where the machine's memory runs out, the kernel should take a task rather than the runner
+    # if the machine runs out of memory, the kernel should kill a task rather than the runner
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
 
-def _loaded(name: str) -> Callable[..., dict[str, Any]]:
-    module, _, function = name.partition(":")
-    return getattr(importlib.import_module(module), function)
+def _load(name: str) -> Callable[..., dict[str, Any]]:
+    module, _, attribute = name.partition(":")
+    function: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module), attribute)
+    return function
 
 
 def _reply(function: Callable[..., dict[str, Any]], task: Task) -> str:
-    """Status, row, failure and seconds of a call, as JSON."""
-    # for those who draw from the global generators: what they draw must not depend on the tasks before
+    """Calls the function and returns status, row, failure and seconds as JSON."""
+    # for functions that use the global generators: their numbers must not depend on the earlier tasks
     random.seed(task.seed)
     np.random.seed(task.seed)  # noqa: NPY002
     start = perf_counter()
     try:
         row = function(**task.parameters)
         seconds = perf_counter() - start
-        return json.dumps(["ok", dict(row), "", seconds], default=_plain)
+        return json.dumps(["ok", dict(row), "", seconds], default=_json_value)
     except MemoryError as error:
         return json.dumps(["memory", {}, repr(error), perf_counter() - start])
     except Exception as error:
         return json.dumps(["error", {}, repr(error), perf_counter() - start])
 
 
-def _plain(value: Any) -> Any:
-    """Arrays and their scalars, NumPy's and JAX's, as JSON values."""
+def _json_value(value: Any) -> Any:
+    """Converts an array or a scalar of NumPy or JAX to a JSON value."""
     if not hasattr(value, "tolist"):
-        raise TypeError(f"a {type(value).__name__} in a row is no JSON value")
+        raise TypeError(f"a row must hold JSON values and arrays, not {type(value).__name__}")
     return value.tolist()
 
 
 def main(pipe: str, parent: str, name: str) -> None:
-    """The process: says "" or why the function cannot be loaded, then answers every task until the pipe is closed."""
-    _bind(int(parent))
+    """Loads the function, then runs every task that arrives until the pipe is closed.
+
+    Sends a message after loading, the traceback if the function could not be loaded and "" otherwise, and then one
+    reply per task.
+    """
+    _die_with(int(parent))
     # a subprocess of a task must not keep the pipe open
     os.set_inheritable(int(pipe), False)
-    with Connection(int(pipe)) as asked:
+    with Connection(int(pipe)) as connection:
         try:
-            function = _loaded(name)
+            function = _load(name)
         except Exception:
-            asked.send(traceback.format_exc())
+            connection.send(traceback.format_exc())
             return
-        asked.send("")
+        connection.send("")
         with suppress(EOFError):
             while True:
-                asked.send(_reply(function, Task(name, asked.recv())))
+                connection.send(_reply(function, Task(name, connection.recv())))
 
 
 if __name__ == "__main__":

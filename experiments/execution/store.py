@@ -1,4 +1,4 @@
-"""A file of JSON Lines that is only ever appended to, by one process at a time, and loses nothing to a kill."""
+"""An append-only file of JSON Lines with one writer at a time, which loses no finished line if the writer is killed."""
 
 import fcntl
 import json
@@ -11,26 +11,27 @@ Item = dict[str, Any]
 
 
 class Store:
-    """The file: what it held when it was opened and what was appended since, one JSON object a line.
+    """The open file, one JSON object per line.
 
-    NaN and infinities are written as Python's `json` does and reads: `NaN`, `Infinity`.
+    NaN and infinities are written in the notation of Python's `json`: `NaN`, `Infinity`.
 
     Attributes:
-        items: the objects, in the order of the lines.
+        path: path of the file.
+        items: all objects, in the order of the lines: those that were read and those that were appended since.
     """
 
     def __init__(self, path: Path):
-        """Opens or makes the file, and mends its end if a writer was killed within a line.
+        """Opens or creates the file, and repairs its end if a writer was killed within a line.
 
         Raises:
-            RuntimeError: another process writes it.
-            ValueError: a line that is not the last is no JSON object.
+            RuntimeError: if another process writes the file.
+            ValueError: if a line other than the last is not a JSON object.
         """
         self.path = path
         path.parent.mkdir(parents=True, exist_ok=True)
         self._file = path.open("a+b")
         try:
-            # the kernel drops the lock with its holder, however that ends
+            # the kernel releases the lock when its holder ends, in whatever way
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self.items = self._read()
         except BlockingIOError:
@@ -49,7 +50,7 @@ class Store:
             except ValueError:
                 self._file.truncate(sum(len(line) + 1 for line in lines))
             else:
-                # all of it was written but its end
+                # only the line end is missing
                 lines.append(tail)
                 self._write(b"\n")
         items = []
@@ -57,14 +58,14 @@ class Store:
             try:
                 items.append(_parsed(line))
             except ValueError as error:
-                raise ValueError(f"{self.path}, line {number} is no JSON object: {error}") from None
+                raise ValueError(f"{self.path}, line {number} is not a JSON object: {error}") from None
         return items
 
     def append(self, item: Item) -> None:
-        """Writes an object; on its return the object is on the disk.
+        """Appends an object; when the call returns, the object is on the disk.
 
         Raises:
-            TypeError: a value is no JSON value.
+            TypeError: if a value is not a JSON value.
         """
         self._write(json.dumps(item).encode() + b"\n")
         self.items.append(item)
@@ -75,11 +76,11 @@ class Store:
         os.fsync(self._file.fileno())
 
     def __enter__(self) -> Self:
-        """Itself."""
+        """Returns the store itself."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, at: TracebackType | None) -> None:
-        """Closes the file and leaves it to other writers."""
+        """Closes the file, so that another process can write it."""
         self._file.close()
 
 

@@ -1,7 +1,7 @@
-"""A process that calls one function for one task after another, and can be killed in any of them.
+"""A process that calls one function for one task after another, and that can be killed during any of them.
 
-A pool of Python's or joblib's cannot: it knows no time limit a task, and breaks as a whole when a process of it ends.
-Nor may a daemonic process, such as that of a cluster, have children of `multiprocessing`: a plain subprocess it is.
+The process pools of Python and joblib have no time limit per task, and they break as a whole when one process ends. A
+daemonic process, such as a worker of a cluster, may not have children of `multiprocessing`. Hence a plain subprocess.
 """
 
 import json
@@ -23,52 +23,52 @@ from experiments.framework.project import PROJECT
 from experiments.framework.tables import Row
 
 STARTS = 3
-"""Processes that may end while they load a function; a function that raises then is given up at once."""
+"""How often the process is started if it dies while it loads the function; an error in loading is final at once."""
 
 LOADING = Limits(seconds=600.0)
-"""Of a function."""
+"""Limits for loading a function."""
 
 STEP_SECONDS = 0.05
-"""Between two looks at the memory: what is taken meanwhile comes on top of the limit."""
+"""Interval of the checks of time and memory; a process can exceed its limit for this long."""
 
 END_SECONDS = 10.0
-"""Within which a process that no longer answers must have ended by itself."""
+"""How long to wait for the exit status of a process that has closed its pipe."""
 
 ONE_THREAD = (
     *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"),
     *("NUMBA_NUM_THREADS", "NPROC"),
 )
-"""What BLAS, Numba and, the last, JAX take the number of their threads from.
+"""Environment variables that set the number of threads of BLAS, of Numba and (the last one) of JAX.
 
-Sums of floats depend on how threads share them, and times on the threads of the other tasks; those of Numba wait by
-spinning.
+All are set to 1: rounding errors of sums depend on how threads divide them, and times depend on the threads of other
+tasks, of which those of Numba wait by spinning.
 """
 
 
 class Worker:
-    """The process, loaded with a function.
+    """A running worker process that has loaded a function.
 
     Attributes:
-        function: `module:function`.
-        used: whether it has had a task.
-        alive: whether it can have another.
+        function: name of the function, `module:function`.
+        used: whether the process has run a task.
+        alive: whether the process can run another task.
     """
 
     def __init__(self, function: str):
-        """Starts the process, and again if it ends before it says whether the function is loaded.
+        """Starts the process; starts it again if it dies before the function is loaded.
 
         Raises:
-            RuntimeError: the function cannot be loaded.
+            RuntimeError: if the function cannot be loaded.
         """
         self.function, self.used = function, False
         for _ in range(STARTS):
             self._start()
-            status, said = self._answer(LOADING)
+            status, message = self._receive(LOADING)
             if status == "ok":
                 break
-        if status != "ok" or said:
+        if status != "ok" or message:
             self.end()
-            raise RuntimeError(f"{function} cannot be loaded: {said}")
+            raise RuntimeError(f"{function} cannot be loaded: {message}")
 
     def _start(self) -> None:
         self.alive = True
@@ -81,79 +81,79 @@ class Worker:
                 env=_environment(),
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
-                stdout=2,  # the runner's own output is not the tasks'
-                start_new_session=True,  # a group of its own: killed with its subprocesses, and spared Ctrl-C
+                stdout=2,  # to stderr: stdout is for the runner's own output
+                start_new_session=True,  # a process group: killed with its subprocesses, and not by Ctrl-C
             )
 
     def attempt(self, task: Task, limits: Limits) -> Result:
-        """Does a task, and ends the process if it is over a limit. Nothing that a task does is raised here."""
+        """Runs a task, and kills the process if it exceeds a limit. Errors of the task become its result."""
         self.used = True
         start = perf_counter()
-        # a process that has ended says so when its answer is waited for
+        # if the process has died, `_receive` finds out
         with suppress(OSError):
             self._pipe.send(task.parameters)
-        status, said = self._answer(limits)
+        status, message = self._receive(limits)
         row: Row = {}
-        failure, seconds = said, perf_counter() - start
+        failure, seconds = message, perf_counter() - start
         if status == "ok":
-            status, row, failure, seconds = json.loads(said)
+            status, row, failure, seconds = json.loads(message)
         limit = limits.of(status)
         return Result(task.identity, task.parameters, status, row, failure, seconds, platform.node(), limit=limit)
 
-    def _answer(self, limits: Limits) -> tuple[Status, str]:
-        """What the process says ("ok"), or how it has ended; with anything but "ok" it has."""
+    def _receive(self, limits: Limits) -> tuple[Status, str]:
+        """Waits for a message of the process: returns "ok" and the message, or another status and how it ended."""
         start = perf_counter()
         try:
             while not self._pipe.poll(STEP_SECONDS):
-                # what was forked within a task may keep the pipe of a dead process open
-                if self._gone() and not self._pipe.poll(0):
-                    return "died", self._ended()
+                # a process that a task forked may keep the pipe of a dead process open
+                if self._has_died() and not self._pipe.poll(0):
+                    return "died", self._exit_reason()
                 exceeded = limits.exceeded(perf_counter() - start, self._process.pid)
                 if exceeded:
                     self.end()
                     return exceeded
             return "ok", self._pipe.recv()
         except (EOFError, OSError):
-            return "died", self._ended()
+            return "died", self._exit_reason()
         except BaseException:
-            # its answer would be taken for that of the next task
+            # otherwise the next task would receive this task's reply
             self.end()
             raise
 
-    def _gone(self) -> bool:
-        # not by `poll`, which frees the number of the process, and with it that of the group of its subprocesses
+    def _has_died(self) -> bool:
+        # not `Popen.poll`, which frees the process id, and with it the id of the group of its subprocesses
         try:
-            return psutil.Process(self._process.pid).status() == psutil.STATUS_ZOMBIE
+            return bool(psutil.Process(self._process.pid).status() == psutil.STATUS_ZOMBIE)
         except psutil.NoSuchProcess:
             return True
 
-    def _ended(self) -> str:
-        """How the process has ended; what is left of it ends too."""
+    def _exit_reason(self) -> str:
+        """Returns how the process ended, after killing it and what is left of its group."""
         start = perf_counter()
-        while not (gone := self._gone()) and perf_counter() - start < END_SECONDS:
+        while not (died := self._has_died()) and perf_counter() - start < END_SECONDS:
             sleep(STEP_SECONDS)
         self.end()
         code = self._process.returncode
-        if not gone:
+        if not died:
             return "closed its pipe"
         return f"exit status {code}" if code >= 0 else f"killed by signal {-code}: {signal.strsignal(-code)}"
 
     def kill(self) -> None:
-        """Kills the process and the subprocesses of its tasks; who waits for its answer learns that it has ended."""
+        """Kills the process and the subprocesses of its tasks; a pending `attempt` then returns the status "died"."""
         self.alive = False
         if self._process.returncode is None:
-            # macOS permits no signal to a group whose processes have all ended
+            # macOS refuses signals to a group whose processes have all ended
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def end(self) -> None:
-        """Kills the process and frees what it held."""
+        """Kills the process and releases its resources."""
         self.kill()
         self._process.wait()
         self._pipe.close()
 
 
 def _environment() -> dict[str, str]:
-    # strings must hash alike in every process, or sets of them differ in order
+    # a fixed hash seed: otherwise sets of strings have another order in every process
     path = os.pathsep.join(filter(None, (str(PROJECT), os.environ.get("PYTHONPATH"))))
     return {**os.environ, **dict.fromkeys(ONE_THREAD, "1"), "PYTHONHASHSEED": "0", "PYTHONPATH": path}

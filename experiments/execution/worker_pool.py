@@ -1,4 +1,4 @@
-"""The workers of one process of the runner or of a cluster: as many as there are tasks at a time."""
+"""The worker processes of the runner, or of one process of a cluster: as many as tasks run at a time."""
 
 import threading
 from types import TracebackType
@@ -11,7 +11,7 @@ from experiments.execution.worker import Worker
 
 
 class WorkerPool:
-    """Workers that are started when they are needed and kept for the next task; shared between threads."""
+    """Workers that are started on demand and reused for later tasks; threads may share a pool."""
 
     def __init__(self) -> None:
         """Creates an empty pool."""
@@ -21,16 +21,16 @@ class WorkerPool:
         self._closed = False
 
     def attempt(self, task: Task, limits: Limits) -> Result:
-        """Does a task.
+        """Runs a task.
 
         Raises:
-            RuntimeError: its function cannot be loaded, or the pool is closed.
+            RuntimeError: if the function cannot be loaded or the pool is closed.
         """
         worker = self._idle_worker(task.function) or Worker(task.function)
-        second = worker.used
+        reused = worker.used
         result = self._attempt(worker, task, limits)
-        # what earlier tasks left in a process must not be held against this one
-        if second and result.status in ("memory", "died"):
+        # earlier tasks of the process may be the cause: try again in a new process
+        if reused and result.status in ("memory", "died"):
             result = self._attempt(Worker(task.function), task, limits)
         return result
 
@@ -56,24 +56,24 @@ class WorkerPool:
                 if worker.alive:
                     self._idle.append(worker)
 
-    def dismiss(self) -> None:
+    def end_idle(self) -> None:
         """Ends the workers that have no task."""
         with self._lock:
             while self._idle:
                 self._idle.pop().end()
 
     def close(self) -> None:
-        """Ends all workers, for good."""
+        """Ends all workers and refuses further tasks."""
         with self._lock:
             self._closed = True
             for worker in self._busy:
                 worker.kill()
-        self.dismiss()
+        self.end_idle()
 
     def __enter__(self) -> Self:
-        """Itself."""
+        """Returns the pool itself."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, at: TracebackType | None) -> None:
-        """Ends all workers."""
+        """Closes the pool."""
         self.close()

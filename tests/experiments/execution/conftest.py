@@ -1,4 +1,4 @@
-"""Runs that are killed: processes, a cluster, and the results of a run that nothing disturbs."""
+"""Fixtures for runs that are killed: processes, a cluster, and the results of an undisturbed run."""
 
 import json
 import os
@@ -35,7 +35,7 @@ def started(tmp_path):
 
 @pytest.fixture
 def cluster(tmp_path, started):
-    """Starts a scheduler and processes of a cluster, and says the address."""
+    """Starts a scheduler and `count` workers of a cluster; returns the address."""
     pytest.importorskip("distributed", reason="runs on a cluster need dask.distributed")
 
     def start(count):
@@ -53,7 +53,7 @@ def cluster(tmp_path, started):
 
 @pytest.fixture
 def listed(tmp_path):
-    """Gated tasks, their file, and the results of a run that nothing disturbs."""
+    """Gated tasks, their file, and the results of an undisturbed run."""
     calm = tmp_path / "calm"
     tasks = [{"k": k, "folder": str(tmp_path)} for k in range(8)]
     path = tmp_path / "tasks.jsonl"

@@ -1,4 +1,4 @@
-"""What the tests see of processes and files of results."""
+"""Helpers of the tests that look at processes and at files of results."""
 
 import json
 import time
@@ -11,11 +11,12 @@ from tests.experiments.execution.tasks import DEADLINE
 
 
 def here(function):
+    """The name of a task function of the tests."""
     return f"{tasks.__name__}:{function}"
 
 
 def lines(path):
-    """The lines of results, sorted, timings aside."""
+    """The lines of a file of results, sorted, without their timings."""
     return sorted(json.dumps(json.loads(line) | {"seconds": 0}) for line in path.read_text().splitlines())
 
 
@@ -27,14 +28,14 @@ def until(happened):
 
 
 class Mark(NamedTuple):
-    """The processes that a task was begun in: that of the runner or of the cluster, and the task's own."""
+    """The processes that started a task and that ran it."""
 
     parent: int
     task: int
 
 
 def marks(folder, k):
-    """A mark for every time that a task was begun."""
+    """One mark for every start of a task."""
     path = folder / f"mark{k}"
     return [Mark(*map(int, line.split())) for line in path.read_text().splitlines()] if path.exists() else []
 

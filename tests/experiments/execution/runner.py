@@ -1,4 +1,4 @@
-"""A process that runs the tasks of a file, to be killed. Arguments: function, tasks, results, and options as JSON."""
+"""Runs the tasks of a file, until a test kills it. Arguments: function, tasks, results, and options as JSON."""
 
 import json
 import sys

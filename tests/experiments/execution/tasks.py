@@ -1,4 +1,4 @@
-"""Functions that the tests run as tasks, in processes of their own."""
+"""Functions that the tests run as tasks, in worker processes."""
 
 import ctypes
 import os
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 DEADLINE = 120.0
-"""Seconds for what should take one or two: only a failure takes so long."""
+"""Seconds to wait for events that should take one or two; only a failure takes so long."""
 
 
 def drawn(k):
@@ -19,7 +19,7 @@ def drawn(k):
 
 
 def gated(k, folder):
-    """Leaves a mark of who does it; the later ones wait until they may end."""
+    """Records the processes that run it; tasks from 4 on wait until the file `go` exists."""
     with (Path(folder) / f"mark{k}").open("a") as file:
         file.write(f"{os.getppid()} {os.getpid()}\n")
     while k >= 4 and not (Path(folder) / "go").exists():
@@ -31,7 +31,7 @@ def ending(how):
     if how == "raise":
         raise ValueError("no plane")
     if how == "hang":
-        # in C, with the interpreter's lock: no signal handler and no thread of Python runs any more
+        # in C, holding the interpreter lock: no signal handler and no other thread of Python can run
         ctypes.PyDLL(None).pause()
     if how == "crash":
         os.kill(os.getpid(), signal.SIGSEGV)
@@ -51,7 +51,7 @@ def hog(megabytes, kept=[]):  # noqa: B006
 
 
 def leaving(how, folder):
-    """Leaves a subprocess behind that outlives it by far, and ends its process."""
+    """Starts a subprocess that outlives it by far, and ends its own process."""
     if how == "fork":
         child = os.fork()
         if not child:
@@ -64,5 +64,5 @@ def leaving(how, folder):
 
 
 def reading(k, folder):
-    """Fails until its file is there."""
+    """Fails until its file exists."""
     return {"k": k, "read": (Path(folder) / f"read{k}").read_text()}

@@ -1,4 +1,4 @@
-"""A run gives the same whatever runs the tasks, and does nothing twice."""
+"""A run gives the same results on any number of workers, and repeats no finished task."""
 
 import json
 
@@ -15,11 +15,11 @@ def test_one_worker_gives_what_three_give(tmp_path):
     assert lines(tmp_path / "one.jsonl") == lines(tmp_path / "three.jsonl")
     assert [r.row for r in one] == [r.row for r in three[::-1]]
     assert [r.columns["square"] for r in one] == [k * k for k in range(12)]
-    # every task draws its own
+    # every task draws its own numbers
     assert len({r.row["draws"][0] for r in one}) == 12
 
 
-def test_results_come_from_the_file_where_it_has_them(tmp_path):
+def test_tasks_with_a_result_in_the_file_are_not_run_again(tmp_path):
     path = tmp_path / "results.jsonl"
     run([{"k": 1}, {"k": 2}], here("drawn"), path, jobs=1)
     before = path.read_bytes()
@@ -33,19 +33,19 @@ def test_results_come_from_the_file_where_it_has_them(tmp_path):
         assert runs.items[0]["config"]["function"] == here("drawn")
 
 
-def test_whatever_a_task_does_is_recorded_and_the_run_goes_on(tmp_path):
+def test_every_way_to_fail_is_recorded_and_the_run_goes_on(tmp_path):
     hows = ("raise", "hang", "crash", "exit", "object", "return")
     ended = run([{"how": how} for how in hows], here("ending"), tmp_path / "results.jsonl", jobs=2, seconds=5)
     assert [r.status for r in ended] == ["error", "timeout", "died", "died", "error", "ok"]
-    for result, word in zip(ended, ("no plane", "5 s", "signal 11", "status 3", "a object", ""), strict=True):
+    for result, word in zip(ended, ("no plane", "5 s", "signal 11", "status 3", "not object", ""), strict=True):
         assert word in result.failure
     assert all(r.row == {} for r in ended[:-1])
     assert [r.limit for r in ended] == [None, 5, None, None, None, None]
-    # done: it does not hang again
+    # it has its result, and does not hang again
     assert run([{"how": "hang"}], here("ending"), tmp_path / "results.jsonl", seconds=5) == [ended[1]]
 
 
-def test_what_a_limit_ended_is_done_again_under_a_larger_one(tmp_path):
+def test_a_task_that_exceeded_a_limit_is_repeated_under_a_larger_one(tmp_path):
     path = tmp_path / "results.jsonl"
     short = run([{"how": "hang"}], here("ending"), path, seconds=2)
     assert run([{"how": "hang"}], here("ending"), path, seconds=1) == short
@@ -54,21 +54,21 @@ def test_what_a_limit_ended_is_done_again_under_a_larger_one(tmp_path):
     for megabytes, status in ((300, "memory"), (200, "memory"), (None, "ok"), (300, "ok")):
         assert [r.status for r in run([{"megabytes": 400}], here("hog"), path, megabytes=megabytes)] == [status]
     assert recorded(path) == 4
-    # a line of before limits were written
+    # a line from before limits were recorded
     old = json.loads(path.read_text().splitlines()[0])
     del old["limit"]
     path.write_text(json.dumps(old) + "\n")
     assert [r.limit for r in run([{"how": "hang"}], here("ending"), path, seconds=3)] == [None]
 
 
-def test_an_error_is_no_end(tmp_path):
+def test_a_task_that_failed_with_an_error_is_repeated(tmp_path):
     path, folder = tmp_path / "results.jsonl", str(tmp_path)
     tasks = [{"k": k, "folder": folder} for k in range(3)]
     (tmp_path / "read1").write_text("one")
     run(tasks, here("reading"), path, jobs=1)
     calm = lines(path)
     whole = path.read_text().splitlines(keepends=True)
-    # killed at any moment, the errors too are there once
+    # a run that was killed at any moment records every error once, too
     for kept in range(3):
         path.write_text("".join(whole[:kept]))
         assert [r.status for r in run(tasks, here("reading"), path, jobs=1)] == ["error", "ok", "error"]
@@ -79,23 +79,23 @@ def test_an_error_is_no_end(tmp_path):
         assert recorded(path) == 4
 
 
-def test_results_of_other_code_are_used_loudly(tmp_path, monkeypatch, capsys):
+def test_results_of_other_commits_are_used_with_a_warning(tmp_path, monkeypatch, capsys):
     path, tasks = tmp_path / "results.jsonl", [{"k": k} for k in range(4)]
     asked = []
     for commit, most in (("a" * 40, 2), ("b" * 40 + "+", 3)):
         monkeypatch.setattr(provenance, "current_commit", lambda commit=commit: asked.append(commit) or commit)
         run(tasks[:2], here("drawn"), path, jobs=1)
         assert [r.commit for r in run(tasks[:most], here("drawn"), path, jobs=1)][most - 1] == commit
-        said = capsys.readouterr().err
-    assert said.count("OTHER CODE") == 2
-    assert "2 OF 2 RESULTS USED ARE OF OTHER CODE than bbbbbbbbb+: 2 of aaaaaaaaa;" in said
-    # once a run, not a task
+        warning = capsys.readouterr().err
+    assert warning.count("OTHER CODE") == 2
+    assert "2 OF 2 RESULTS USED ARE OF OTHER CODE than bbbbbbbbb+: 2 of aaaaaaaaa;" in warning
+    # once per run, not per task
     assert len(asked) == 4
     first, *others = path.read_text().splitlines(keepends=True)
     old = {name: value for name, value in json.loads(first).items() if name not in ("commit", "limit")}
     path.write_text("".join([json.dumps(old) + "\n", *others]))
     assert [r.commit[:1] for r in run(tasks[:3], here("drawn"), path, jobs=1)] == ["", "a", "b"]
-    assert "2 OF 3 RESULTS USED" in (said := capsys.readouterr().err)
-    assert "1 of an unknown commit" in said
+    assert "2 OF 3 RESULTS USED" in (warning := capsys.readouterr().err)
+    assert "1 of an unknown commit" in warning
     run(tasks[2:3], here("drawn"), path, jobs=1)
     assert "OTHER CODE" not in capsys.readouterr().err

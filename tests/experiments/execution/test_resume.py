@@ -1,4 +1,4 @@
-"""Whoever is killed, nothing is lost and nothing is done twice."""
+"""Killing the runner or a worker loses no result and repeats no finished task."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from tests.experiments.execution.processes import here, lines, marks, recorded, 
 from tests.experiments.execution.tasks import DEADLINE
 
 
-def test_a_killed_runner_goes_on_where_it_was(tmp_path, listed, started):
+def test_a_killed_runner_resumes(tmp_path, listed, started):
     tasks, path, calm = listed
     results = tmp_path / "results.jsonl"
     runner = started("tests.experiments.execution.runner", here("gated"), path, results, json.dumps({"jobs": 2}))
@@ -22,7 +22,7 @@ def test_a_killed_runner_goes_on_where_it_was(tmp_path, listed, started):
     runner.kill()
     runner.wait()
     if sys.platform == "linux":
-        # tasks that would never return end with their runner
+        # tasks that would never return are killed with their runner
         until(lambda: not any(running(mark.task) for k in (4, 5) for mark in marks(tmp_path, k)))
     (tmp_path / "go").touch()
     with results.open("a") as file:
@@ -60,7 +60,7 @@ def test_a_killed_worker_of_a_cluster_changes_nothing(runner_too, tmp_path, list
     assert len(marks(tmp_path, waiting[0])) == 2
 
 
-def test_a_cluster_keeps_no_old_code_from_a_killed_run(tmp_path, started, cluster):
+def test_a_cluster_does_not_run_the_old_code_of_a_killed_run(tmp_path, started, cluster):
     go, begun = tmp_path / "go", tmp_path / "begun"
     old = f"""
         import pathlib, time

@@ -1,4 +1,4 @@
-"""The file of results loses nothing to a kill and has one writer."""
+"""The file of results survives a killed writer, and has one writer at a time."""
 
 import pytest
 
@@ -28,14 +28,14 @@ def test_a_file_cut_anywhere_in_its_last_line_loses_only_that_line(tmp_path):
         assert store.items == items[:1]
 
 
-def test_a_file_of_something_else_is_left_alone(tmp_path):
+def test_a_file_of_another_format_is_refused_unchanged(tmp_path):
     path = tmp_path / "lines.jsonl"
     path.write_text('{"a": 1}\nsome text\n{"a": 2}\n')
-    with pytest.raises(ValueError, match="line 2 is no JSON object"):
+    with pytest.raises(ValueError, match="line 2 is not a JSON object"):
         Store(path)
     assert path.read_text().count("\n") == 3
     path.write_text('{"a": 1}\n')
-    with pytest.raises(ValueError, match="no result"):
+    with pytest.raises(ValueError, match="not a result"):
         run([{"k": 1}], here("drawn"), path)
 
 

@@ -1,4 +1,4 @@
-"""Processes of tasks: what they leave behind, their memory, and functions that cannot be loaded."""
+"""Worker processes: subprocesses they leave behind, memory limits, and functions that cannot be loaded."""
 
 import json
 import textwrap
@@ -12,7 +12,7 @@ from tests.experiments.execution.tasks import DEADLINE
 
 
 @pytest.mark.parametrize("how", ["fork", "subprocess"])
-def test_what_a_task_leaves_behind_ends_with_its_process(how, tmp_path, started):
+def test_subprocesses_of_a_task_end_with_its_process(how, tmp_path, started):
     tasks, results = tmp_path / "tasks.jsonl", tmp_path / "results.jsonl"
     tasks.write_text(json.dumps({"how": how, "folder": str(tmp_path)}) + "\n")
     runner = started("tests.experiments.execution.runner", here("leaving"), tasks, results, json.dumps({"seconds": 60}))
@@ -22,8 +22,8 @@ def test_what_a_task_leaves_behind_ends_with_its_process(how, tmp_path, started)
     until(lambda: not running(int((tmp_path / how).read_text())))
 
 
-def test_a_task_is_held_to_its_own_memory(tmp_path):
-    # the middle three together leave in their process more than one may take
+def test_the_memory_limit_counts_for_each_task_alone(tmp_path):
+    # the middle three together would exceed the limit if they ran in one process
     tasks = [{"megabytes": 200 + k} for k in range(3)]
     tasks = [{"megabytes": 10_000}, *tasks, {"megabytes": 20_000}]
     ended = run(tasks, here("hog"), tmp_path / "results.jsonl", jobs=1, megabytes=500)
@@ -31,7 +31,7 @@ def test_a_task_is_held_to_its_own_memory(tmp_path):
     assert "500 MiB" in ended[0].failure
 
 
-def test_a_function_that_is_not_there_stops_the_run(tmp_path):
+def test_a_missing_function_stops_the_run(tmp_path):
     for jobs in (1, 2):
         with pytest.raises(RuntimeError, match="absent"):
             run([{"k": 1}, {"k": 2}], here("absent"), tmp_path / "results.jsonl", jobs=jobs)
@@ -39,7 +39,7 @@ def test_a_function_that_is_not_there_stops_the_run(tmp_path):
 
 
 @pytest.mark.parametrize(("dying", "starts"), [(2, 3), (9, 3)])
-def test_a_process_that_ends_while_it_loads_is_started_again(dying, starts, tmp_path, monkeypatch):
+def test_a_process_that_dies_while_loading_is_started_again(dying, starts, tmp_path, monkeypatch):
     loads = tmp_path / "loads"
     text = f"""
         import os
@@ -61,7 +61,7 @@ def test_a_process_that_ends_while_it_loads_is_started_again(dying, starts, tmp_
     assert recorded(loads) == starts
 
 
-def test_a_function_that_raises_while_it_loads_is_given_up_at_once(tmp_path, monkeypatch):
+def test_an_error_in_loading_stops_the_run_at_once(tmp_path, monkeypatch):
     (tmp_path / "raising.py").write_text(
         f"print(file=open({str(tmp_path / 'loads')!r}, 'a'))\nraise ValueError('no')\n"
     )
