@@ -1,1 +1,4 @@
-"""Other methods: each is a `symjax.Method` in a file of its own, faithful to its publication."""
+"""Methods of other people, to compare with: one module each, faithful to its publication.
+
+`experiments.baselines.baseline` says how to add one.
+"""

@@ -1,4 +1,4 @@
-"""The frame that baselines work in: about the mean of a cloud, in units of its mean radius."""
+"""The frame that baselines work in: its origin is the mean of the cloud, and its unit is the mean radius."""
 
 from typing import NamedTuple
 
@@ -11,11 +11,11 @@ from symjax.geometry.similarity import Similarity
 
 
 class Frame(NamedTuple):
-    """A cloud about its mean, in units of its mean radius, thinned at random.
+    """A cloud relative to its mean, in units of its mean radius, thinned at random.
 
     Attributes:
-        points: at most so many points, of mean radius about 1.
-        to_given: the way back to the units of the points.
+        points: points that were kept.
+        to_given: similarity from this frame to that of the given points.
     """
 
     points: Float[np.ndarray, "m 3"]
@@ -27,22 +27,22 @@ class Frame(NamedTuple):
         offsets: Float[np.ndarray, " k"],
         scores: Float[np.ndarray, " k"],
     ) -> Ranking:
-        """Planes of this frame as a ranking in the units of the points: sorted by falling score, signs canonical."""
+        """Sorts planes of this frame by falling score, and returns them in the frame and units of the given points."""
         order = np.argsort(-np.asarray(scores), kind="stable")
         plane = self.to_given.plane(Plane(normals[order], offsets[order])).canonical()
         return Ranking(np.asarray(plane.normal), np.asarray(plane.offset), np.asarray(scores)[order])
 
 
-def framed(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, most: int = 5000) -> Frame:
-    """The frame of a cloud."""
+def make_frame(points: Float[np.ndarray, "n 3"], rng: np.random.Generator, *, max_points: int = 5000) -> Frame:
+    """Moves a cloud to its mean, scales it to mean radius 1, and keeps at most `max_points` random points of it."""
     centre = points.mean(axis=0)
     length = float(np.linalg.norm(points - centre, axis=1).mean())
-    kept = points if len(points) <= most else points[rng.permutation(len(points))[:most]]
+    kept = points if len(points) <= max_points else points[rng.permutation(len(points))[:max_points]]
     return Frame((kept - centre) / length, Similarity(length, None, centre))
 
 
 def reflect(
     normal: Float[np.ndarray, " 3"], offset: float, points: Float[np.ndarray, "n 3"]
 ) -> Float[np.ndarray, "n 3"]:
-    """Mirror images of points, see `Plane.reflect`."""
+    """Reflects points in a plane; `Plane.reflect` with NumPy arguments."""
     return np.asarray(Plane(normal, np.asarray(offset)).reflect(points))

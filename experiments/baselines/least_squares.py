@@ -1,6 +1,7 @@
-"""The least-squares plane of given pairs: the maximum-likelihood estimate of Eq. 2 of the paper, printed and corrected.
+"""The least-squares plane of pairs: the maximum-likelihood estimate of the paper (Eq. 2), corrected and as printed.
 
-In NumPy and apart from `symjax.l2e.starts.initialisation.l2_plane`, so that the baselines stand on nothing of ours.
+A NumPy implementation of its own, independent of `symjax.l2e.starts.initialisation.l2_plane`, so that the baselines do
+not depend on our estimator.
 """
 
 import numpy as np
@@ -14,16 +15,17 @@ def least_squares(
     *,
     as_printed: bool = False,
 ) -> tuple[Float[np.ndarray, " 3"], float]:
-    """The plane that minimises Σ w ‖y − r(x)‖².
+    """Returns the plane that minimises Σ w ‖y − r(x)‖², where r is the reflection.
 
-    With mid-points m and half differences h: the least eigenvector of Σ (m − m̄)(m − m̄)ᵀ − Σ h hᵀ, and n · m̄. The
-    paper prints H = Σ x yᵀ, right only where m̄ = 0; the symmetric part of it is taken.
+    With mid-points m and half differences h, the normal n is the eigenvector of the least eigenvalue of
+    Σ (m − m̄)(m − m̄)ᵀ − Σ h hᵀ, and the offset is n · m̄. The paper prints H = Σ x yᵀ instead of this matrix, which is
+    correct only if m̄ = 0; this function uses the symmetric part of H.
 
     Args:
         x: one end of every pair.
         y: the other end.
-        weights: of the pairs.
-        as_printed: take the paper's H.
+        weights: weights of the pairs; None: all 1.
+        as_printed: use the paper's H.
 
     Returns:
         Unit normal and offset.

@@ -1,11 +1,11 @@
-"""Mirror pairs for baselines: those of our Sym-HKS (Sec. 4 of the paper), so that only estimators differ."""
+"""Putative mirror pairs for baselines: those of `SymHKS` (paper, Sec. 4), so that only the estimators differ."""
 
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from experiments.baselines.frame import Frame, framed
+from experiments.baselines.frame import Frame, make_frame
 from symjax.preprocess.cloud import prepare
 from symjax.symhks.correspondences import correspondences
 
@@ -14,7 +14,7 @@ class Matches(NamedTuple):
     """Putative mirror pairs of a cloud.
 
     Attributes:
-        frame: of the points that were looked at.
+        frame: frame of the points that were matched.
         x: one end of every pair, in the frame.
         y: the other end.
     """
@@ -25,17 +25,17 @@ class Matches(NamedTuple):
 
 
 def matches(points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Matches:
-    """The pairs that `symjax.detect(points, "sym-hks")` fits its plane to.
+    """Returns the pairs that `symjax.detect(points, "sym-hks")` fits its plane to.
 
     Args:
         points: the cloud.
-        rng: of the frame, which keeps all points and draws nothing.
+        rng: random generator of the frame; unused, because the frame keeps all points.
 
     Raises:
-        SymjaxError: there is no surface to take pairs from; the subclass says why.
+        SymjaxError: if the cloud has too few points or no surface; a subclass names the reason.
     """
     cloud = prepare(points)
     used = points[cloud.rows]
-    frame = framed(used, rng, most=len(used))
+    frame = make_frame(used, rng, max_points=len(used))
     x, y = frame.points[correspondences(cloud.points).rows.T]
     return Matches(frame, x, y)

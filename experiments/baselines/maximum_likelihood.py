@@ -1,7 +1,8 @@
 """The maximum-likelihood plane of mirror pairs, the paper's baseline (Sec. 3, "A Remark on MLE").
 
-On the very pairs of our Sym-HKS. The paper's matrix H = Σ x yᵀ is right only where the pairs' mid-points have mean
-zero, and it names no origin: the cloud's mean here, which is near theirs on complete clouds and not on others.
+The pairs are those of `SymHKS`. The paper's matrix H = Σ x yᵀ is correct only if the mid-points of the pairs have mean
+zero, and the paper names no origin. Here the origin is the mean of the cloud, which is near the mean of the mid-points
+on complete clouds, but not on others.
 """
 
 from dataclasses import dataclass
@@ -19,10 +20,10 @@ from experiments.metrics.ranking import Ranking
 
 @dataclass(frozen=True, kw_only=True)
 class MaximumLikelihood(Baseline):
-    """The plane of least squared residuals of the pairs, by minus their root mean square in mean radii.
+    """The least-squares plane of the pairs; its score is minus the root mean square residual, in mean radii.
 
     Attributes:
-        as_printed: take the paper's H instead of the corrected one.
+        as_printed: use the paper's H instead of the corrected matrix.
     """
 
     name: ClassVar[str] = "mle"
@@ -30,10 +31,10 @@ class MaximumLikelihood(Baseline):
     as_printed: bool = False
 
     def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
-        """Ranks the plane alone, see `Baseline.rank`; draws nothing.
+        """Ranks a single plane, see `Baseline.rank`; `rng` is unused.
 
         Raises:
-            SymjaxError: there is no surface to take pairs from; the subclass says why.
+            SymjaxError: if the cloud has too few points or no surface; a subclass names the reason.
         """
         frame, x, y = matches(points, rng)
         normal, offset = least_squares(x, y, as_printed=self.as_printed)

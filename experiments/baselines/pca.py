@@ -1,8 +1,8 @@
-"""The best principal plane: of the three through the mean and across a principal axis, the one that mirrors best.
+"""Principal planes: the planes through the mean, perpendicular to the principal axes, ranked by their symmetry.
 
-The start of B. Combès et al., *Automatic symmetry plane estimation of bilateral objects in point clouds*, CVPR 2008. A
-mirror plane's normal is a principal axis of a complete cloud, but not a unique one where two moments are equal. How the
-paper's row "PCA" chooses among the three is not printed.
+The best of them is the start of B. Combès et al., *Automatic symmetry plane estimation of bilateral objects in point
+clouds*, CVPR 2008. The normal of a mirror plane is a principal axis of a complete cloud; if two moments are equal, the
+axes are not unique. The paper does not print how its row "PCA" chooses among the three planes.
 """
 
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from jaxtyping import Float
 from scipy.spatial import KDTree
 
 from experiments.baselines.baseline import Baseline
-from experiments.baselines.frame import framed, reflect
+from experiments.baselines.frame import make_frame, reflect
 from experiments.metrics.ranking import Ranking
 
 
 @dataclass(frozen=True, kw_only=True)
 class PCA(Baseline):
-    """The three principal planes, by minus the mean distance of mirror images from the cloud, in mean radii.
+    """The three principal planes; the score is minus the mean distance of mirror images from the cloud, in mean radii.
 
     Attributes:
-        most: points that are kept of a larger cloud, drawn at random.
+        max_points: number of points to which a larger cloud is thinned at random.
     """
 
     name: ClassVar[str] = "pca"
 
-    most: int = 5000
+    max_points: int = 5000
 
     def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
         """Ranks planes of a cloud, see `Baseline.rank`."""
-        frame = framed(points, rng, most=self.most)
+        frame = make_frame(points, rng, max_points=self.max_points)
         tree = KDTree(frame.points)
         centre = frame.points.mean(axis=0)
         axes = principal_axes(frame.points)
@@ -42,10 +42,10 @@ class PCA(Baseline):
 
 
 def principal_axes(points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]:
-    """Unit eigenvectors of the covariance, one a row, of rising variance."""
+    """Returns the unit eigenvectors of the covariance as rows, by rising variance."""
     return np.linalg.eigh(np.cov(points, rowvar=False))[1].T
 
 
 def mean_residual(tree: KDTree, normal: Float[np.ndarray, " 3"], offset: float) -> float:
-    """Mean distance of the mirror images of a cloud from the cloud."""
+    """Returns the mean distance of the mirror images of a cloud from the cloud."""
     return float(tree.query(reflect(normal, offset, tree.data))[0].mean())

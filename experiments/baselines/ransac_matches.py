@@ -1,8 +1,8 @@
-"""RANSAC over mirror pairs: one pair makes a plane, the others vote.
+"""RANSAC on mirror pairs: every drawn pair defines a plane, which all pairs score.
 
 M. A. Fischler and R. C. Bolles, *Random sample consensus*, Communications of the ACM 24(6), 1981, with the truncated
-squares of P. H. S. Torr and A. Zisserman, *MLESAC*, CVIU 78, 2000, on the very pairs of our Sym-HKS. The paper's row
-"RANSAC" gives neither pairs nor parameters: all values here are our choice.
+squared residuals of P. H. S. Torr and A. Zisserman, *MLESAC*, CVIU 78, 2000. The pairs are those of `SymHKS`. The paper
+describes neither the pairs nor the parameters of its row "RANSAC": all values here are our choice.
 """
 
 from dataclasses import dataclass
@@ -18,44 +18,47 @@ from experiments.baselines.matches import matches
 from experiments.metrics.ranking import Ranking, distinct
 
 THRESHOLD = 0.15
-"""Residual of an inlier in mean radii. Keypoints are 0.05 to 0.1 apart, so that 0.02 to 0.05, which suits dense
-matches, leaves few: of generated clouds, 86 % were within 5 degrees with 0.05 and 95 % with 0.15."""
+"""Largest residual of an inlier, in mean radii.
+
+0.02 to 0.05 suit dense matches, but leave few inliers here, because keypoints are 0.05 to 0.1 apart. The normal was
+within 5 degrees on 86 % of generated clouds with 0.05, and on 95 % with 0.15.
+"""
 
 APART = 0.1
-"""Planes nearer than this (see `plane_distance`) are one."""
+"""Planes with a smaller distance (`plane_distance`) count as one."""
 
 MIN_INLIERS = 3
-"""Fewer pairs do not fix a plane against one outlier."""
+"""Fewer pairs than this are not refitted: one outlier among them would decide the plane."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RansacOnMatches(Baseline):
-    """The planes that most pairs of a cloud agree with.
+    """The distinct planes that most pairs agree with.
 
-    Distinct planes by 1 − mean of min(ρ², τ²)/τ², with ρ the residual of a pair and τ the threshold.
+    The score is 1 − mean of min(ρ², τ²)/τ², with ρ the residual of a pair and τ the threshold.
 
     Attributes:
-        draws: most pairs drawn, none twice.
-        threshold: residual of an inlier, in mean radii.
-        shortest: share of the pairs, the shortest, that make no planes: their directions are the least certain.
-        refits: least-squares fits to the inliers that follow.
-        most: planes that are kept.
+        max_draws: largest number of pairs that are drawn, without replacement.
+        threshold: largest residual of an inlier, in mean radii.
+        shortest: share of the pairs that are not drawn, the shortest ones, whose directions are the least certain.
+        refits: number of least-squares refits to the inliers.
+        max_planes: largest number of planes that are returned.
     """
 
     name: ClassVar[str] = "ransac-matches"
-    several: ClassVar[bool] = True
+    accepts_all: ClassVar[bool] = True
 
-    draws: int = 500
+    max_draws: int = 500
     threshold: float = THRESHOLD
     shortest: float = 0.3
     refits: int = 2
-    most: int = 3
+    max_planes: int = 3
 
     def rank(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Ranking:
-        """Ranks planes of a cloud, see `Baseline.rank`; draws the pairs that make planes.
+        """Ranks planes of a cloud, see `Baseline.rank`.
 
         Raises:
-            SymjaxError: there is no surface to take pairs from; the subclass says why.
+            SymjaxError: if the cloud has too few points or no surface; a subclass names the reason.
         """
         frame, x, y = matches(points, rng)
         return frame.ranking(*self.consensus(x, y, rng))
@@ -63,20 +66,20 @@ class RansacOnMatches(Baseline):
     def consensus(
         self, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"], rng: np.random.Generator
     ) -> tuple[Float[np.ndarray, "k 3"], Float[np.ndarray, " k"], Float[np.ndarray, " k"]]:
-        """The planes that most pairs agree with: normals, offsets and scores."""
+        """Returns normals, offsets and scores of the distinct planes that most pairs agree with, best first."""
         step = y - x
         length = np.linalg.norm(step, axis=1)
         longest = np.argsort(-length, kind="stable")[: len(x) - int(self.shortest * len(x))]
-        drawn = longest[rng.permutation(len(longest))[: self.draws]]
+        drawn = longest[rng.permutation(len(longest))[: self.max_draws]]
         normals = step[drawn] / length[drawn, None]
         offsets = (normals * (x + y)[drawn] / 2).sum(axis=1)
         scores = agreement(normals, offsets, x, y, self.threshold)
-        best = distinct(normals, offsets, scores, apart=APART, most=self.most)
+        best = distinct(normals, offsets, scores, apart=APART, most=self.max_planes)
         planes = [refit(normals[k], offsets[k], x, y, self.threshold, self.refits) for k in best]
         normals, offsets = (np.array(part) for part in zip(*planes, strict=True))
         scores = agreement(normals, offsets, x, y, self.threshold)
-        # two planes may have been fitted to the same pairs
-        best = distinct(normals, offsets, scores, apart=APART, most=self.most)
+        # two planes may have become one by the refit
+        best = distinct(normals, offsets, scores, apart=APART, most=self.max_planes)
         return normals[best], offsets[best], scores[best]
 
 
@@ -87,9 +90,10 @@ def agreement(
     y: Float[np.ndarray, "q 3"],
     threshold: float,
 ) -> Float[np.ndarray, " k"]:
-    """1 − mean of min(ρ², τ²)/τ² over the pairs: 1 where all fit exactly, 0 where none is an inlier."""
+    """Returns 1 − mean of min(ρ², τ²)/τ² over the pairs: 1 if all pairs fit exactly, 0 if no pair is an inlier."""
     residuals = np.array([residual(*plane, x, y) for plane in zip(normals, offsets, strict=True)])
-    return 1 - np.minimum((residuals / threshold) ** 2, 1).mean(axis=1)
+    scores: Float[np.ndarray, " k"] = 1 - np.minimum((residuals / threshold) ** 2, 1).mean(axis=1)
+    return scores
 
 
 def refit(
@@ -98,10 +102,10 @@ def refit(
     x: Float[np.ndarray, "q 3"],
     y: Float[np.ndarray, "q 3"],
     threshold: float,
-    times: int,
+    repeats: int,
 ) -> tuple[Float[np.ndarray, " 3"], float]:
-    """The plane of least squares of a plane's inliers, so many times; the plane as it is where they are too few."""
-    for _ in range(times):
+    """Fits the least-squares plane of the inliers, `repeats` times; stops early if there are too few inliers."""
+    for _ in range(repeats):
         inlier = residual(normal, offset, x, y) < threshold
         if np.count_nonzero(inlier) < MIN_INLIERS:
             break
@@ -112,5 +116,6 @@ def refit(
 def residual(
     normal: Float[np.ndarray, " 3"], offset: float, x: Float[np.ndarray, "q 3"], y: Float[np.ndarray, "q 3"]
 ) -> Float[np.ndarray, " q"]:
-    """Distance of y from the mirror image of x."""
-    return np.linalg.norm(y - reflect(normal, offset, x), axis=1)
+    """Returns the distance of y from the mirror image of x, for every pair."""
+    distances: Float[np.ndarray, " q"] = np.linalg.norm(y - reflect(normal, offset, x), axis=1)
+    return distances

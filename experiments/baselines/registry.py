@@ -1,6 +1,9 @@
-"""The methods of the arena by name: ours, the paper's, and the baselines.
+"""All methods that take part in comparisons, by name: symjax's own, the paper's algorithm, and the baselines.
 
-One more method is one more file beside this one and one more line in `ENTRIES`.
+To add a method, add a line to `ENTRIES`, with `baseline_entry` for a baseline (`experiments.baselines.baseline` shows
+how to write one). The key names the method in the option `--methods` of the studies and in the result files; the title
+names it in the tables. A method that compiles code also belongs in `COMPILES_ONCE` or `COMPILES_PER_SIZE`, so that its
+times exclude compilation.
 """
 
 import importlib.util
@@ -32,28 +35,28 @@ from symjax.preprocess.cloud import MAX_POINTS
 OURS = "robust"
 """The default of `symjax.detect`."""
 
-PEER = "pyclarcs"
-"""The one method that is another's package."""
+PYCLARCS = "pyclarcs"
+"""The only method that an optional package implements."""
 
-COMPILED = ("kazhdan", "3dsymm-26", PEER)
-"""Methods of which the first call in a process compiles what later ones need: its time says nothing of theirs."""
+COMPILES_ONCE = ("kazhdan", "3dsymm-26", PYCLARCS)
+"""Methods whose first call in a process compiles code for all later calls; the first call is not timed."""
 
-BY_SIZE = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned")
-"""Methods that may compile anew for another number of points, or of matches."""
+COMPILES_PER_SIZE = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned")
+"""Methods that may compile again for another number of points or matches; they run once untimed before each timing."""
 
-ALL = 10**9
-"""More points, and more planes, than there are."""
+UNLIMITED = 10**9
+"""A limit on points or planes that no cloud and no method exceeds."""
 
 
 class Entry(NamedTuple):
-    """A method of the arena.
+    """A method and how comparisons call it.
 
     Attributes:
-        title: what tables call it.
+        title: name of the method in tables.
         method: the method.
-        drop_outliers: whether scattered outliers are left out first; None leaves it to the method.
-        max_points: larger clouds are thinned to this many before the method sees them.
-        max_planes: most planes that count.
+        drop_outliers: whether `detect` drops scattered outliers first; None: the default of the method.
+        max_points: number of points to which `detect` thins larger clouds.
+        max_planes: number of planes that `detect` keeps.
     """
 
     title: str
@@ -63,16 +66,16 @@ class Entry(NamedTuple):
     max_planes: int = MAX_PLANES
 
     def detect(self, points: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Detection:
-        """What `symjax.detect` answers with the method; its warnings are left to the notes."""
+        """Runs `symjax.detect` with the method and without warnings, which the detection's notes repeat."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SymjaxWarning)
             options = {name: getattr(self, name) for name in ("drop_outliers", "max_points", "max_planes")}
             return symjax.detect(points, self.method, rng=rng, **options)
 
 
-def baseline(title: str, method: Method) -> Entry:
-    """A method that sees the points as they are, thins them itself, and of which all planes count."""
-    return Entry(title, method, max_points=ALL, max_planes=ALL)
+def baseline_entry(title: str, method: Method) -> Entry:
+    """Returns the entry of a baseline: it sees all points, thins them by itself, and all its planes are kept."""
+    return Entry(title, method, max_points=UNLIMITED, max_planes=UNLIMITED)
 
 
 ENTRIES: dict[str, Entry] = {
@@ -80,27 +83,27 @@ ENTRIES: dict[str, Entry] = {
     "sym-hks-printed": Entry("Algorithm 1 as printed", SymHKS.as_printed()),
     "sym-hks": Entry("Algorithm 1, our choices", SymHKS()),
     "sym-hks-cleaned": Entry("Algorithm 1, our choices, outliers dropped", SymHKS(), drop_outliers=True),
-    "pca": baseline("PCA", PCA()),
-    "mle-printed": baseline("MLE as printed", MaximumLikelihood(as_printed=True)),
-    "mle": baseline("MLE, corrected", MaximumLikelihood()),
-    "ransac-matches": baseline("RANSAC on matches", RansacOnMatches()),
-    "ransac-points": baseline("RANSAC on points", RansacOnPoints()),
-    "ransac-released": baseline("RANSAC on points, released stopping rule", RansacOnPoints.as_released()),
-    "kazhdan": baseline("Kazhdan", Kazhdan()),
-    "cicconet": baseline("Cicconet", Cicconet()),
-    "hruda": baseline("after Hruda", Hruda()),
-    "3dsymm": baseline("after 3DSymm, from PCA", ThreeDSymm()),
-    "3dsymm-26": baseline("after 3DSymm, from 26 starts", ThreeDSymm(starts="half-sphere")),
-    "nagar-raman": baseline("after Nagar and Raman 2019", NagarRaman()),
-    PEER: baseline("Combès (pyclarcs)", Pyclarcs()),
+    "pca": baseline_entry("PCA", PCA()),
+    "mle-printed": baseline_entry("MLE as printed", MaximumLikelihood(as_printed=True)),
+    "mle": baseline_entry("MLE, corrected", MaximumLikelihood()),
+    "ransac-matches": baseline_entry("RANSAC on matches", RansacOnMatches()),
+    "ransac-points": baseline_entry("RANSAC on points", RansacOnPoints()),
+    "ransac-released": baseline_entry("RANSAC on points, released stopping rule", RansacOnPoints.as_released()),
+    "kazhdan": baseline_entry("Kazhdan", Kazhdan()),
+    "cicconet": baseline_entry("Cicconet", Cicconet()),
+    "hruda": baseline_entry("after Hruda", Hruda()),
+    "3dsymm": baseline_entry("after 3DSymm, from PCA", ThreeDSymm()),
+    "3dsymm-26": baseline_entry("after 3DSymm, from 26 starts", ThreeDSymm(starts="half-sphere")),
+    "nagar-raman": baseline_entry("after Nagar and Raman 2019", NagarRaman()),
+    PYCLARCS: baseline_entry("Combès (pyclarcs)", Pyclarcs()),
 }
-"""By the name on the command line."""
+"""All methods, by their name on the command line and in result files, in the order of the tables."""
 
 
 def usable(names: Iterable[str]) -> list[str]:
-    """Those methods that can be run; says so loudly where one cannot."""
+    """Returns the methods that can be run here; warns on stderr if a method is skipped because it is not installed."""
     names = list(names)
-    if PEER in names and importlib.util.find_spec(PEER) is None:
-        print(f"{PEER.upper()} IS NOT INSTALLED: pip install {PEER}==0.4.4. Skipped.", file=sys.stderr)
-        return [name for name in names if name != PEER]
+    if PYCLARCS in names and importlib.util.find_spec(PYCLARCS) is None:
+        print(f"{PYCLARCS.upper()} IS NOT INSTALLED and is skipped: pip install {PYCLARCS}==0.4.4", file=sys.stderr)
+        return [name for name in names if name != PYCLARCS]
     return names

@@ -7,7 +7,7 @@ import numpy as np
 
 from experiments.baselines.registry import ENTRIES, OURS
 from experiments.comparison.leaderboard import MEASURES, prediction, tallies, title
-from experiments.data.corruptions import SWEPT
+from experiments.data.corruptions import SWEEP_CONDITIONS
 from experiments.framework.tables import Row, grouped
 from experiments.metrics import score_curve
 
@@ -65,7 +65,9 @@ def draw_precision_recall(axes: "Axes", lines: Sequence[Row], sweep: str) -> Non
 def shares(conditions: Iterable[str], corruption: str) -> dict[str, float]:
     """Percent of outliers, or of missing points, of those conditions that have nothing else; the clean one has 0."""
     percent = {
-        name: 100.0 * SWEPT[name].get(corruption, 0.0) for name in conditions if not set(SWEPT[name]) - {corruption}
+        name: 100.0 * SWEEP_CONDITIONS[name].get(corruption, 0.0)
+        for name in conditions
+        if not set(SWEEP_CONDITIONS[name]) - {corruption}
     }
     return dict(sorted(percent.items(), key=lambda entry: entry[1]))
 

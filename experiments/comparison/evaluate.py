@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.baselines.registry import BY_SIZE, COMPILED, ENTRIES
+from experiments.baselines.registry import COMPILES_ONCE, COMPILES_PER_SIZE, ENTRIES
 from experiments.comparison.attempt import attempt, ranked_planes
 from experiments.comparison.objects import DENSE, BenchmarkObject, benchmark_object
 from experiments.data import corruptions
@@ -50,7 +50,7 @@ def evaluate(
         benchmark: one of `objects.NAMES`.
         item: number of the object.
         name: of the object.
-        condition: one of `corruptions.SWEPT`.
+        condition: one of `corruptions.SWEEP_CONDITIONS`.
         seed: of the pose, the points, the corruption and the method.
         num_points: points before the corruption.
         data: folder of the benchmark.
@@ -70,7 +70,7 @@ def evaluate(
     points = next(corruptions.trials([whole.case], [condition])).points
     key = (method, condition, num_points)
     entry = ENTRIES[method]
-    if method in BY_SIZE or (method in COMPILED and key not in WARM):
+    if method in COMPILES_PER_SIZE or (method in COMPILES_ONCE and key not in WARM):
         WARM.add(key)
         attempt(entry, points, [seed, item])
     made = attempt(entry, points, [seed, item])

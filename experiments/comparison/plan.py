@@ -9,10 +9,10 @@ from pathlib import Path
 
 from experiments.baselines.registry import ENTRIES, usable
 from experiments.comparison import evaluate, objects
-from experiments.data.corruptions import SWEPT
+from experiments.data.corruptions import SWEEP_CONDITIONS
 from experiments.execution import run
 from experiments.execution.result import Result
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.tables import Row
 
 RESULTS = "arena.jsonl"
@@ -88,14 +88,14 @@ def tasks(config: Config) -> list[Row]:
         ValueError: a name is unknown.
         DataAbsentError: a benchmark is not in its folder.
     """
-    methods = usable(chosen(config.methods, ENTRIES))
-    conditions = chosen(config.conditions, SWEPT)
+    methods = usable(split_names(config.methods, ENTRIES))
+    conditions = split_names(config.conditions, SWEEP_CONDITIONS)
     return [
         {
             **{"method": method, "benchmark": benchmark, "item": item, "name": name, "condition": condition},
             **{"seed": seed, "num_points": config.num_points, "data": data},
         }
-        for benchmark in chosen(config.benchmark, objects.NAMES)
+        for benchmark in split_names(config.benchmark, objects.NAMES)
         for data in ["" if benchmark in (objects.PROCEDURAL, objects.REAL) else str(Path(config.data).resolve())]
         for item, name in objects.items(benchmark, data, config.objects).items()
         for seed in range(config.seeds)

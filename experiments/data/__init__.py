@@ -12,9 +12,9 @@ entry in `LOADERS` of `experiments.comparison.objects`. Data of your own needs n
 `experiments.data.listing`.
 """
 
-SINGLE = "generated objects with one mirror plane, in random poses"
-MADE = "generated objects of all kinds"
-WITH_REAL = f"{MADE}, and the real models of `--data` if there are any"
+GENERATED_SINGLE = "generated objects with one mirror plane, in random poses"
+GENERATED = "generated objects of all kinds"
+GENERATED_AND_REAL = f"{GENERATED}, and the real models of `--data` if there are any"
 BENCHMARKS = "generated objects, and at full size the real models; or any benchmark by `--benchmark` and `--data`"
 PLANTED = "planted pairs: random blobs, their mirror images, and outliers"
 """Phrases for `Study.data`: what a study runs on."""

@@ -52,14 +52,14 @@ def kinds_of(symmetry: Symmetry, most: int) -> list[str]:
     return [kind for kind, about in datasets.KINDS.items() if about.symmetry == symmetry][:most]
 
 
-def generated(num_points: int, seeds: int, kinds: Iterable[str] = tuple(datasets.KINDS)) -> Iterator[Case]:
+def generated_cases(num_points: int, seeds: int, kinds: Iterable[str] = tuple(datasets.KINDS)) -> Iterator[Case]:
     """Generates `seeds` objects of every kind, by default of all kinds."""
     for kind in kinds:
         for seed in range(seeds):
-            yield made(kind, num_points, seed)
+            yield generate_case(kind, num_points, seed)
 
 
-def made(kind: str, num_points: int, seed: int) -> Case:
+def generate_case(kind: str, num_points: int, seed: int) -> Case:
     """Generates an object of a kind in a random pose; the seed and the kind determine both."""
     rng = np.random.default_rng([seed, *kind.encode()])
     whole = datasets.generate(kind, num_points=num_points, rng=rng)
@@ -69,7 +69,7 @@ def made(kind: str, num_points: int, seed: int) -> Case:
     return Case(kind, group, posed.points, planes, whole.diagonal, seed, posed.axis)
 
 
-def real(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
+def real_cases(folder: Path, num_points: int, seeds: int) -> Iterator[Case]:
     """Samples the models of a folder by area, each in `seeds` random poses; warns on stderr if there is no listing."""
     listing = folder / LISTING
     if not listing.is_file():

@@ -28,7 +28,7 @@ CONDITIONS: dict[str, dict[str, Any]] = {
 }
 """Arguments of `datasets.corrupt`, by the name of the condition."""
 
-SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
+SWEEP_CONDITIONS: dict[str, dict[str, Any]] = CONDITIONS | {
     "out40": {"outliers": 0.4},
     "out80": {"outliers": 0.8},
     "out120": {"outliers": 1.2},
@@ -36,7 +36,7 @@ SWEPT: dict[str, dict[str, Any]] = CONDITIONS | {
 }
 """All conditions: those of `CONDITIONS`, and further steps of the sweeps of outliers and of missing parts."""
 
-ALL = ",".join(CONDITIONS)
+CONDITION_NAMES = ",".join(CONDITIONS)
 """The names of `CONDITIONS`, as the value of an option `--conditions`."""
 
 
@@ -71,5 +71,5 @@ def trials(cases: Iterable[Case], conditions: Iterable[str]) -> Iterator[Trial]:
     for condition in conditions:
         for case in cases:
             rng = np.random.default_rng([case.seed, *condition.encode(), *case.name.encode()])
-            cloud = datasets.corrupt(case.points, rng, diagonal=case.diagonal, **SWEPT[condition])
+            cloud = datasets.corrupt(case.points, rng, diagonal=case.diagonal, **SWEEP_CONDITIONS[condition])
             yield Trial(case, condition, cloud.points)

@@ -6,7 +6,7 @@ Object number k depends only on k and the seed, so objects can be generated on d
 with k, so that consecutive objects cover all kinds equally.
 """
 
-from experiments.data.cases import Case, made
+from experiments.data.cases import Case, generate_case
 from symjax.datasets import KINDS
 from symjax.errors import InvalidArgumentError
 
@@ -19,7 +19,7 @@ PROCEDURAL_KINDS = tuple(kind for kind, about in KINDS.items() if about.symmetry
 """Kinds of objects with one mirror plane or several."""
 
 SEED = 1
-"""Not 0, because with 0 some objects would be those of `cases.generated`, on which thresholds were chosen."""
+"""Not 0, because with 0 some objects would be those of `generated_cases`, on which thresholds were chosen."""
 
 
 def kind(k: int) -> str:
@@ -35,4 +35,4 @@ def generated_object(k: int, num_points: int = 5000, *, seed: int = SEED) -> Cas
     """
     if not 0 <= k < NUM_OBJECTS:
         raise InvalidArgumentError(f"{NAME} has no object {k}: choose from 0 to {NUM_OBJECTS - 1}")
-    return made(kind(k), num_points, NUM_OBJECTS * seed + k)
+    return generate_case(kind(k), num_points, NUM_OBJECTS * seed + k)

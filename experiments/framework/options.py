@@ -56,7 +56,7 @@ def parse(study: Study, argv: Sequence[str]) -> Options:
     return Options(arguments.size, folder, study.place(config, folder))
 
 
-def chosen(names: str, known: Iterable[str]) -> list[str]:
+def split_names(names: str, known: Iterable[str]) -> list[str]:
     """Splits the comma-separated names of an option, such as `--methods pca,hruda`.
 
     Args:
@@ -70,5 +70,5 @@ def chosen(names: str, known: Iterable[str]) -> list[str]:
     listed = [name.strip() for name in names.split(",")]
     for name in listed:
         if name not in known:
-            raise ValueError(f"{name!r} is unknown: choose from {', '.join(known)}")
+            raise ValueError(f"unknown name {name!r}: choose from {', '.join(known)}")
     return listed

@@ -17,8 +17,8 @@ page.
 
 Every study prints a table, with the paper's number or the target beside ours if there is one. It writes its rows as
 CSV, the table as Markdown, the figure, if it has one, as PNG and PDF, and the provenance (command, commit, versions,
-seed, machine, time) as JSON. The files go to `experiments/out`, or to `experiments/out/small` at the small size. The
-tables, figures and provenance of the full size are kept in the repository. Run the studies in the checkout, after
+seed, machine, time) as JSON. The files go to `experiments/out`, or to `experiments/out/small` at the small size. Of
+the former, the tables, figures and provenance are kept in the repository. Run the studies in the checkout, after
 `pip install ".[test]"` (or `".[experiments,arena]"`):
 
 ```sh

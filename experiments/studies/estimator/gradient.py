@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 
 from experiments.data import PLANTED
 from experiments.framework.interleaved import interleaved, ratio
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row
 from symjax.datasets.planted_pairs import planted_pairs
@@ -86,7 +86,7 @@ def _rows(config: Config) -> Iterator[Row]:
     probe = jnp.asarray(rng.normal(size=6))
     directions = {name: jnp.asarray(rng.normal(size=value.shape)) for name, value in values.items()}
     fits = _fits(config, pairs.normal)
-    for name in chosen(config.fits, fits) if config.fits else fits:
+    for name in split_names(config.fits, fits) if config.fits else fits:
         fit = fits[name]
 
         def answer(given: Given, fit: Callable[[Given], Fit] = fit) -> Float[Array, ""]:

@@ -20,8 +20,8 @@ from tqdm import tqdm
 import symjax
 from experiments.baselines.registry import ENTRIES
 from experiments.comparison.attempt import attempt
-from experiments.data import MADE
-from experiments.framework.options import chosen
+from experiments.data import GENERATED
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from symjax import datasets
@@ -98,8 +98,8 @@ def part(config: Config, kind: str, seed: int, *, posed: bool) -> Part:
 
 def run(config: Config) -> list[Row]:
     """One row an object and way of completing it."""
-    methods = chosen(config.methods, ENTRIES)
-    objects = [(kind, seed) for kind in chosen(config.kinds, datasets.KINDS) for seed in range(config.seeds)]
+    methods = split_names(config.methods, ENTRIES)
+    objects = [(kind, seed) for kind in split_names(config.kinds, datasets.KINDS) for seed in range(config.seeds)]
     return [
         {"kind": kind, "seed": seed} | row
         for kind, seed in tqdm(objects, disable=None)
@@ -155,7 +155,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
 
     from symjax.viz import png
 
-    kinds = chosen(config.kinds, datasets.KINDS)[: config.drawn]
+    kinds = split_names(config.kinds, datasets.KINDS)[: config.drawn]
     page = Image.new("RGB", (PANEL[0], PANEL[1] * len(kinds)))
     for line, kind in enumerate(kinds):
         found = symjax.detect(part(config, kind, 0, posed=False).kept, rng=0)
@@ -164,4 +164,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     page.save(path.with_suffix(".pdf"), resolution=200)
 
 
-STUDY = Study("completion", __doc__, SIZES, run, summary, draw=draw, data=MADE, paper="its figure of completion")
+STUDY = Study("completion", __doc__, SIZES, run, summary, draw=draw, data=GENERATED, paper="its figure of completion")

@@ -18,16 +18,16 @@ from time import perf_counter
 import numpy as np
 from tqdm import tqdm
 
-from experiments.baselines.registry import ALL, BY_SIZE, ENTRIES, OURS, baseline, usable
+from experiments.baselines.registry import COMPILES_PER_SIZE, ENTRIES, OURS, UNLIMITED, baseline_entry, usable
 from experiments.baselines.three_d_symm import ThreeDSymm
 from experiments.comparison.published import SECONDS
-from experiments.data import MADE
-from experiments.data.cases import made
+from experiments.data import GENERATED
+from experiments.data.cases import generate_case
 from experiments.execution.limits import Limits
 from experiments.execution.task import Task
 from experiments.execution.worker import Worker
 from experiments.framework import figures
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
@@ -56,7 +56,7 @@ COMPILING = 600.0
 TIMED = "experiments.studies.paper.growth:timed"
 
 
-METHODS = ENTRIES | {"3dsymm-all": baseline("after 3DSymm, all points", ThreeDSymm(most=ALL))}
+METHODS = ENTRIES | {"3dsymm-all": baseline_entry("after 3DSymm, all points", ThreeDSymm(max_points=UNLIMITED))}
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ SIZES = {"full": Config(), "small": Config(sizes="1042,2000,5000", repeats=1, me
 
 def timed(method: str, kind: str, size: int, seed: int) -> Row:
     """Seconds of a call on a posed object, and degrees between its plane and the right one."""
-    case = made(kind, size, seed)
+    case = generate_case(kind, size, seed)
     start = perf_counter()
     found = METHODS[method].detect(case.points, np.random.default_rng(seed))
     seconds = perf_counter() - start
@@ -95,7 +95,7 @@ def timed(method: str, kind: str, size: int, seed: int) -> Row:
 
 def run(config: Config) -> list[Row]:
     """One row a call."""
-    methods = usable(chosen(config.methods, METHODS))
+    methods = usable(split_names(config.methods, METHODS))
     with ExitStack() as ends:
         workers = {name: Worker(TIMED) for name in methods}
         for worker in workers.values():
@@ -108,7 +108,7 @@ def _calls(config: Config, workers: Mapping[str, Worker]) -> Iterator[Row]:
     for size in tqdm(sizes, disable=None):
         for repeat in range(-1, config.repeats):
             for method, worker in workers.items():
-                if repeat >= 0 or size == sizes[0] or method in BY_SIZE:
+                if repeat >= 0 or size == sizes[0] or method in COMPILES_PER_SIZE:
                     yield from _call(config, worker, method, size, repeat)
 
 
@@ -185,4 +185,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-STUDY = Study("growth", __doc__, SIZES, run, summary, draw=draw, data=MADE, paper="its time table")
+STUDY = Study("growth", __doc__, SIZES, run, summary, draw=draw, data=GENERATED, paper="its time table")

@@ -20,13 +20,13 @@ from jaxtyping import Float
 from tqdm import tqdm
 
 import symjax
-from experiments.baselines.frame import framed
+from experiments.baselines.frame import make_frame
 from experiments.baselines.three_d_symm import ThreeDSymm, alternate, nearest
-from experiments.data import SINGLE, corruptions
-from experiments.data.cases import generated, kinds_of
+from experiments.data import GENERATED_SINGLE, corruptions
+from experiments.data.cases import generated_cases, kinds_of
 from experiments.data.corruptions import Trial
 from experiments.framework import figures
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE, deviation
@@ -94,8 +94,8 @@ def _angles(config: Config) -> list[float]:
 
 
 def _on_clouds(config: Config) -> Iterator[Row]:
-    cases = list(generated(config.num_points, config.seeds, kinds_of("single", config.kinds)))
-    names = chosen(config.conditions, corruptions.CONDITIONS)
+    cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
+    names = split_names(config.conditions, corruptions.CONDITIONS)
     for trial in tqdm(corruptions.trials(cases, names), total=len(cases) * len(names), disable=None):
         (right,), middle = trial.case.planes, trial.case.points.mean(axis=0)
         about = {"condition": trial.condition, "model": trial.case.name, "seed": trial.case.seed}
@@ -121,7 +121,7 @@ def _methods(trial: Trial) -> dict[str, Settle]:
 
 def _three_d_symm(points: Float[np.ndarray, "n 3"]) -> Settle:
     """The alternation from one start, on all points."""
-    frame = framed(points, np.random.default_rng(0), most=len(points))
+    frame = make_frame(points, np.random.default_rng(0), max_points=len(points))
     match = nearest(frame.points)
 
     def settle(start: Plane) -> Plane:
@@ -202,6 +202,6 @@ STUDY = Study(
     run,
     summary,
     draw=draw,
-    data=SINGLE,
+    data=GENERATED_SINGLE,
     paper="that L2 with alternation fails beyond 20° of the start",
 )

@@ -13,10 +13,10 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.baselines.registry import Entry
-from experiments.data import SINGLE, corruptions
-from experiments.data.cases import generated, kinds_of
+from experiments.data import GENERATED_SINGLE, corruptions
+from experiments.data.cases import generated_cases, kinds_of
 from experiments.data.corruptions import Trial
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
@@ -67,9 +67,9 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=4, conditions=
 
 def run(config: Config) -> list[Row]:
     """One row a cloud and stage."""
-    cases = list(generated(config.num_points, config.seeds, kinds_of("single", config.kinds)))
-    trials = list(corruptions.trials(cases, chosen(config.conditions, corruptions.CONDITIONS)))
-    return [_row(stage, trial) for stage in tqdm(chosen(config.stages, STAGES), disable=None) for trial in trials]
+    cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
+    trials = list(corruptions.trials(cases, split_names(config.conditions, corruptions.CONDITIONS)))
+    return [_row(stage, trial) for stage in tqdm(split_names(config.stages, STAGES), disable=None) for trial in trials]
 
 
 def without(stage: str) -> Entry:
@@ -97,4 +97,4 @@ def _line(stage: str, of: str, rows: list[Row]) -> Row:
     return line | {"all": float(np.mean([row[of] for row in rows])), "clouds": len(rows)}
 
 
-STUDY = Study("ablation", __doc__, SIZES, run, summary, data=SINGLE)
+STUDY = Study("ablation", __doc__, SIZES, run, summary, data=GENERATED_SINGLE)

@@ -16,10 +16,10 @@ from jaxtyping import Bool, Float
 from tqdm import tqdm
 
 from experiments.baselines.registry import ENTRIES, OURS
-from experiments.data import WITH_REAL, corruptions
-from experiments.data.cases import MODELS, Case, generated, kinds_of, real
+from experiments.data import GENERATED_AND_REAL, corruptions
+from experiments.data.cases import MODELS, Case, generated_cases, kinds_of, real_cases
 from experiments.data.corruptions import Trial
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
@@ -101,15 +101,15 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=1, co
 def run(config: Config) -> list[Row]:
     """One row a cloud."""
     cases = list(_cases(config))
-    names = chosen(config.conditions, corruptions.CONDITIONS)
+    names = split_names(config.conditions, corruptions.CONDITIONS)
     trials = corruptions.trials(cases, names)
     return [_row(trial) for trial in tqdm(trials, total=len(cases) * len(names), disable=None)]
 
 
 def _cases(config: Config) -> Iterator[Case]:
     kinds = chain.from_iterable(kinds_of(symmetry, config.kinds) for symmetry in get_args(Symmetry))
-    modelled = islice(real(Path(config.data), config.num_points, config.seeds), config.kinds * config.seeds)
-    return chain(generated(config.num_points, config.seeds, kinds), modelled)
+    modelled = islice(real_cases(Path(config.data), config.num_points, config.seeds), config.kinds * config.seeds)
+    return chain(generated_cases(config.num_points, config.seeds, kinds), modelled)
 
 
 def _row(trial: Trial) -> Row:
@@ -188,4 +188,4 @@ def would_be_found(rows: list[Row], thresholds: FoundThresholds) -> Bool[np.ndar
     return score > thresholds.threshold(exactness, others, noise)
 
 
-STUDY = Study("calibration", __doc__, SIZES, run, summary, data=WITH_REAL)
+STUDY = Study("calibration", __doc__, SIZES, run, summary, data=GENERATED_AND_REAL)

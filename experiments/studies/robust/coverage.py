@@ -11,8 +11,8 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.baselines.registry import ENTRIES, OURS
-from experiments.data import SINGLE
-from experiments.data.cases import kinds_of, made
+from experiments.data import GENERATED_SINGLE
+from experiments.data.cases import generate_case, kinds_of
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE
@@ -57,7 +57,7 @@ def run(config: Config) -> list[Row]:
 
 def _row(kind: str, seed: int, level: float, config: Config) -> Row:
     rng = np.random.default_rng([seed, round(1e6 * level), *kind.encode()])
-    case = made(kind, int(rng.integers(config.least_points, config.most_points + 1)), seed)
+    case = generate_case(kind, int(rng.integers(config.least_points, config.most_points + 1)), seed)
     points = datasets.corrupt(case.points, rng, noise=level, diagonal=case.diagonal).points
     found = ENTRIES[OURS].detect(points, np.random.default_rng(0))
     about = found.uncertainty
@@ -109,4 +109,4 @@ def _line(noise: float | str, rows: list[Row]) -> Row:
     }
 
 
-STUDY = Study("coverage", __doc__, SIZES, run, summary, data=f"{SINGLE}, with noise")
+STUDY = Study("coverage", __doc__, SIZES, run, summary, data=f"{GENERATED_SINGLE}, with noise")

@@ -10,9 +10,9 @@ from jaxtyping import Float, Int
 from tqdm import tqdm
 
 import symjax
-from experiments.data import MADE
-from experiments.data.cases import generated
-from experiments.framework.options import chosen
+from experiments.data import GENERATED
+from experiments.data.cases import generated_cases
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from symjax import datasets
@@ -48,9 +48,9 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=2)}
 def run(config: Config) -> list[Row]:
     """One row a cloud, method and change."""
     rows = []
-    cases = generated(config.num_points, 1, list(datasets.KINDS)[: config.kinds])
+    cases = generated_cases(config.num_points, 1, list(datasets.KINDS)[: config.kinds])
     for number, case in enumerate(tqdm(cases, total=config.kinds, disable=None)):
-        for method in chosen(config.methods, METHODS):
+        for method in split_names(config.methods, METHODS):
             before = symjax.detect(case.points, method, rng=0)
             for name in CHANGES:
                 move, order = _change(name, len(case.points), np.random.default_rng([config.seed, number]))
@@ -98,4 +98,4 @@ def summary(rows: list[Row]) -> list[Row]:
     ]
 
 
-STUDY = Study("equivariance", __doc__, SIZES, run, summary, data=MADE)
+STUDY = Study("equivariance", __doc__, SIZES, run, summary, data=GENERATED)

@@ -14,18 +14,18 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from experiments.baselines.registry import ENTRIES, OURS, PEER, usable
+from experiments.baselines.registry import ENTRIES, OURS, PYCLARCS, usable
 from experiments.comparison import published
 from experiments.comparison.attempt import attempt
-from experiments.data import WITH_REAL, corruptions
-from experiments.data.cases import MODELS, generated, kinds_of, real
+from experiments.data import GENERATED_AND_REAL, corruptions
+from experiments.data.cases import MODELS, generated_cases, kinds_of, real_cases
 from experiments.data.corruptions import Trial
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import Deviation, deviation
 
-METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PEER)
+METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PYCLARCS)
 """By their names in `ENTRIES`."""
 
 TARGETS = {
@@ -67,8 +67,8 @@ class Config:
     seeds: int = 3
     kinds: int = 1000
     data: str = str(MODELS)
-    methods: str = ",".join(name for name in METHODS if name != PEER)
-    conditions: str = corruptions.ALL
+    methods: str = ",".join(name for name in METHODS if name != PYCLARCS)
+    conditions: str = corruptions.CONDITION_NAMES
 
 
 SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=2, conditions="clean,out100,both")}
@@ -76,11 +76,11 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=2, co
 
 def run(config: Config) -> list[Row]:
     """One row a cloud and method."""
-    methods = usable(chosen(config.methods, METHODS))
-    cases = list(generated(config.num_points, config.seeds, kinds_of("single", config.kinds)))
-    with_plane = (case for case in real(Path(config.data), config.num_points, config.seeds) if case.planes)
+    methods = usable(split_names(config.methods, METHODS))
+    cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
+    with_plane = (case for case in real_cases(Path(config.data), config.num_points, config.seeds) if case.planes)
     cases += islice(with_plane, config.kinds * config.seeds)
-    names = chosen(config.conditions, corruptions.CONDITIONS)
+    names = split_names(config.conditions, corruptions.CONDITIONS)
     rows: list[Row] = []
     warm = ""
     for trial in tqdm(corruptions.trials(cases, names), total=len(cases) * len(names), disable=None):
@@ -154,5 +154,11 @@ def _median(values: np.ndarray) -> float | str:
 
 
 STUDY = Study(
-    "robustness", __doc__, SIZES, run, summary, data=WITH_REAL, paper="its tables of outliers and missing parts"
+    "robustness",
+    __doc__,
+    SIZES,
+    run,
+    summary,
+    data=GENERATED_AND_REAL,
+    paper="its tables of outliers and missing parts",
 )

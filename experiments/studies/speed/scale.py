@@ -12,8 +12,8 @@ import numpy as np
 from tqdm import tqdm
 
 import symjax
-from experiments.data import SINGLE
-from experiments.framework.options import chosen
+from experiments.data import GENERATED_SINGLE
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.studies.speed.memory import peak_memory
@@ -49,7 +49,7 @@ SIZES = {"full": Config(), "small": Config(sizes=(1_500, 6_000), repeats=3, memo
 
 def run(config: Config) -> list[Row]:
     """One row a detection that is timed, then one of memory; columns that do not apply are empty."""
-    methods = chosen(config.methods, METHODS)
+    methods = split_names(config.methods, METHODS)
     rows: list[Row] = []
     # the first of every size compiles
     for repeat in tqdm(range(-1, config.repeats), disable=None):
@@ -95,4 +95,4 @@ def summary(rows: list[Row]) -> list[Row]:
     return lines
 
 
-STUDY = Study("scale", __doc__, SIZES, run, summary, data=SINGLE, paper="its time table")
+STUDY = Study("scale", __doc__, SIZES, run, summary, data=GENERATED_SINGLE, paper="its time table")

@@ -16,11 +16,11 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.baselines.registry import Entry
-from experiments.data import SINGLE, corruptions
-from experiments.data.cases import Case, generated, kinds_of
+from experiments.data import GENERATED_SINGLE, corruptions
+from experiments.data.cases import Case, generated_cases, kinds_of
 from experiments.data.corruptions import Trial
 from experiments.framework import figures
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import WITHIN_ANGLE, deviation
@@ -62,10 +62,12 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=1, conditions=
 
 def run(config: Config) -> list[Row]:
     """One row a cloud, choice and value; what several choices have in common, the default, is measured once."""
-    cases = list(generated(config.num_points, config.seeds, kinds_of("single", config.kinds)))
-    names = chosen(config.conditions, [*corruptions.CONDITIONS, *(name + DROPPED for name in corruptions.CONDITIONS)])
+    cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
+    names = split_names(
+        config.conditions, [*corruptions.CONDITIONS, *(name + DROPPED for name in corruptions.CONDITIONS)]
+    )
     trials = [(name, trial) for name in names for trial in corruptions.trials(cases, [name.removesuffix(DROPPED)])]
-    values = list(_values(chosen(config.choices, CHOICES)))
+    values = list(_values(split_names(config.choices, CHOICES)))
     variants = list(dict.fromkeys(variant for _, _, variant in values))
     measured = {variant: _measured(variant, trials) for variant in tqdm(variants, disable=None)}
     return [
@@ -168,4 +170,4 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     figures.save(drawn, path)
 
 
-STUDY = Study("sym_hks_ablation", __doc__, SIZES, run, summary, draw=draw, data=SINGLE)
+STUDY = Study("sym_hks_ablation", __doc__, SIZES, run, summary, draw=draw, data=GENERATED_SINGLE)

@@ -1,4 +1,4 @@
-"""Four baselines: principal planes, least squares of matches, RANSAC over matches and over points, and pyclarcs."""
+"""Baselines: principal planes, least squares of matches, RANSAC on matches and on points, and pyclarcs."""
 
 import importlib.util
 import sys
@@ -15,8 +15,14 @@ from experiments.baselines.maximum_likelihood import MaximumLikelihood
 from experiments.baselines.pca import PCA
 from experiments.baselines.pyclarcs_em import Pyclarcs
 from experiments.baselines.ransac_matches import RansacOnMatches, agreement, residual
-from experiments.baselines.ransac_points import RansacOnPoints, drawn, stopping, voted, votes
-from experiments.data.cases import kinds_of, made
+from experiments.baselines.ransac_points import (
+    RansacOnPoints,
+    draw_planes,
+    num_draws_needed,
+    vote_ratios,
+    vote_until_confident,
+)
+from experiments.data.cases import generate_case, kinds_of
 from experiments.metrics.deviation import deviation
 from experiments.metrics.ranking import distinct, plane_distance
 from symjax.datasets.planted_pairs import planted_pairs
@@ -28,15 +34,17 @@ from symjax.preprocess.cloud import prepare
 TEN = kinds_of("single", 10)
 
 WELL_MATCHED = ("sofa", "car", "boat", "bicycle", "quadruped", "fish", "head", "teapot", "hammer", "coat_hook")
-"""Kinds of which two matches in five, or more, join points that are nearly mirror images. Least squares counts every
-match alike, so that where more are wrong its plane need not be near the right one."""
+"""Kinds on which at least two matches in five join points that are nearly mirror images.
+
+Least squares weights all matches equally, so that with more wrong matches its plane may be far from the true one.
+"""
 
 needs_pyclarcs = pytest.mark.skipif(importlib.util.find_spec("pyclarcs") is None, reason="pyclarcs is not installed")
 
 
 @pytest.fixture
 def one_thread():
-    """The threads of pyclarcs wait for each other by spinning, which on a busy machine takes ten times as long."""
+    """Limits pyclarcs to one thread: its threads wait by spinning, which takes ten times as long on a busy machine."""
     if importlib.util.find_spec("numba") is None:
         yield
         return
@@ -50,11 +58,11 @@ def one_thread():
 
 @pytest.fixture(scope="module")
 def fish():
-    return made("fish", 1500, 0)
+    return generate_case("fish", 1500, 0)
 
 
 def mirrored(rng, normal, offset, half=300):
-    """A lopsided cloud and its mirror image."""
+    """An asymmetric cloud and its mirror image."""
     one = rng.gamma(2.0, size=(half, 3)) * (1.0, 0.6, 0.3)
     return np.concatenate([one, Plane(normal, offset).reflect(one)])
 
@@ -75,17 +83,17 @@ def assert_mostly_right(method, cases):
 
 
 def test_principal_planes_are_right_on_clean_clouds():
-    assert_mostly_right(PCA(), [made(kind, 3000, 0) for kind in TEN])
+    assert_mostly_right(PCA(), [generate_case(kind, 3000, 0) for kind in TEN])
 
 
 @pytest.mark.slow
-def test_ransac_over_matches_is_right_on_clean_clouds():
-    assert_mostly_right(RansacOnMatches(), [made(kind, 2000, 0) for kind in TEN])
+def test_ransac_on_matches_is_right_on_clean_clouds():
+    assert_mostly_right(RansacOnMatches(), [generate_case(kind, 2000, 0) for kind in TEN])
 
 
 @pytest.mark.slow
-def test_least_squares_of_matches_is_right_where_enough_of_them_are(monkeypatch):
-    matched = [made(kind, 2000, 0) for kind in WELL_MATCHED]
+def test_least_squares_is_right_if_enough_matches_are(monkeypatch):
+    matched = [generate_case(kind, 2000, 0) for kind in WELL_MATCHED]
     made_once = {id(case.points): matches(case.points, np.random.default_rng(0)) for case in matched}
     monkeypatch.setattr(maximum_likelihood, "matches", lambda points, rng: made_once[id(points)])
     for case in matched:
@@ -97,22 +105,22 @@ def test_least_squares_of_matches_is_right_where_enough_of_them_are(monkeypatch)
 
 
 @pytest.mark.slow
-def test_ransac_over_points_is_right_on_clean_clouds():
-    assert_mostly_right(RansacOnPoints(), [made(kind, 1000, 0) for kind in TEN])
+def test_ransac_on_points_is_right_on_clean_clouds():
+    assert_mostly_right(RansacOnPoints(), [generate_case(kind, 1000, 0) for kind in TEN])
 
 
 @pytest.mark.slow
 @needs_pyclarcs
 def test_pyclarcs_is_right_on_clean_clouds(one_thread):
-    assert_mostly_right(Pyclarcs(), [made(kind, 400, 0) for kind in TEN])
+    assert_mostly_right(Pyclarcs(), [generate_case(kind, 400, 0) for kind in TEN])
 
 
-def test_principal_planes_go_through_the_mean_across_each_other(fish):
+def test_principal_planes_pass_through_the_mean_and_are_perpendicular(fish):
     found = PCA().rank(fish.points, np.random.default_rng(0))
     np.testing.assert_allclose(found.normals @ found.normals.T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(found.normals @ fish.points.mean(axis=0), found.offsets)
     assert (np.diff(found.scores) <= 0).all()
-    few = PCA(most=400).rank(fish.points, np.random.default_rng(0))
+    few = PCA(max_points=400).rank(fish.points, np.random.default_rng(0))
     assert few.plane().angle(found.plane()) < 10
 
 
@@ -123,9 +131,9 @@ def test_a_planted_plane_is_found(method, rng):
     assert plane_distance(Plane(found.normals, found.offsets), Plane(normal, offset))[0] < 1e-6
 
 
-def test_the_matches_are_those_that_our_own_method_fits(fish, monkeypatch):
+def test_the_matches_are_those_that_sym_hks_fits(fish, monkeypatch):
     class Fitting(Exception):
-        """Reached: the fit itself would compile for seconds."""
+        """Raised instead of the fit, which would compile for seconds."""
 
     def search(*pairs, **_):
         raise Fitting(*pairs[:2])
@@ -147,7 +155,7 @@ def test_the_score_of_least_squares_is_the_residual_of_its_matches(fish):
     np.testing.assert_allclose(found.scores, [-np.sqrt(np.mean(off**2))])
 
 
-def test_the_printed_matrix_is_right_only_about_the_mid_points():
+def test_the_printed_matrix_is_right_only_if_the_mid_points_are_centred():
     p = planted_pairs(np.random.default_rng(2), 200, 0.0, shift=0.3)
     mean = (p.x + p.y).mean(axis=0) / 2
     printed, corrected = (least_squares(p.x, p.y, as_printed=flag)[0] for flag in (True, False))
@@ -159,7 +167,7 @@ def test_the_printed_matrix_is_right_only_about_the_mid_points():
 
 
 @pytest.mark.parametrize("blob", ["thin", "wide"])
-def test_consensus_withstands_what_least_squares_does_not(blob):
+def test_consensus_withstands_outliers_that_mislead_least_squares(blob):
     p = planted_pairs(np.random.default_rng(3), 300, 0.8, blob, shift=0.3)
     normals, offsets, scores = RansacOnMatches().consensus(p.x, p.y, np.random.default_rng(0))
     assert deviation_angle(normals[0], p.normal) < 1
@@ -168,54 +176,54 @@ def test_consensus_withstands_what_least_squares_does_not(blob):
     assert deviation_angle(least_squares(p.x, p.y)[0], p.normal) > 5
 
 
-def test_agreement_is_one_for_exact_pairs_and_nothing_beyond_the_threshold(rng):
+def test_agreement_is_1_for_exact_pairs_and_0_beyond_the_threshold(rng):
     p = planted_pairs(rng, 60, 0.0, noise=0.0)
     normals, offsets = np.stack([p.normal, p.normal]), np.array([p.offset, p.offset + 0.1])
     np.testing.assert_allclose(agreement(normals, offsets, p.x, p.y, 0.15), [1, 0], atol=1e-12)
-    # a shift by d moves every image by 2 d
+    # a shift of the plane by d moves every mirror image by 2 d
     assert agreement(normals, offsets, p.x, p.y, 0.4)[1] == pytest.approx(1 - 0.25)
 
 
 def test_consensus_keeps_distinct_planes_best_first():
     p = planted_pairs(np.random.default_rng(4), 100, 0.7)
-    normals, offsets, scores = RansacOnMatches(most=4).consensus(p.x, p.y, np.random.default_rng(0))
+    normals, offsets, scores = RansacOnMatches(max_planes=4).consensus(p.x, p.y, np.random.default_rng(0))
     assert 1 < len(scores) <= 4
     assert (np.diff(scores) <= 0).all()
     assert len(distinct(normals, offsets, scores, apart=ransac_matches.APART, most=4)) == len(scores)
 
 
-def test_a_drawn_plane_mirrors_its_two_points_on_each_other(rng):
+def test_a_drawn_plane_exchanges_its_two_points(rng):
     points = rng.normal(size=(2, 3)) + 5.0
-    normals, offsets = drawn(points, 20, rng)
-    assert 0 < len(normals) < 20  # where a point is drawn with itself there is no plane
+    normals, offsets = draw_planes(points, 20, rng)
+    assert 0 < len(normals) < 20  # a point that is drawn with itself gives no plane
     for normal, offset in zip(normals, offsets, strict=True):
         np.testing.assert_allclose(Plane(normal, offset).reflect(points), points[::-1], atol=1e-12)
 
 
-def test_votes_are_the_share_that_meets_the_cloud(rng):
+def test_the_vote_ratio_is_the_share_of_images_that_meet_the_cloud(rng):
     normal, offset = unit(rng), 0.3
     tree = KDTree(mirrored(rng, normal, offset))
     normals, offsets = np.stack([normal, normal]), np.array([offset, offset + 50])
-    np.testing.assert_array_equal(votes(normals, offsets, tree.data, tree, 1e-6), [1, 0])
+    np.testing.assert_array_equal(vote_ratios(normals, offsets, tree.data, tree, 1e-6), [1, 0])
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.3, 0.9])
-def test_drawing_ends_where_two_inliers_are_likely_enough(ratio):
-    end = stopping(np.full(2000, ratio), 0.95)
+def test_drawing_stops_when_two_inliers_are_likely_enough(ratio):
+    end = num_draws_needed(np.full(2000, ratio), 0.95)
     assert 1 - (1 - ratio**2) ** end >= 0.95
     assert 1 - (1 - ratio**2) ** (end - 1) < 0.95
-    assert stopping(np.full(end - 1, ratio), 0.95) is None
-    # the best so far counts
-    assert stopping(np.append(ratio, np.zeros(2000)), 0.95) == end
+    assert num_draws_needed(np.full(end - 1, ratio), 0.95) is None
+    # the best plane so far decides
+    assert num_draws_needed(np.append(ratio, np.zeros(2000)), 0.95) == end
 
 
-def test_nothing_drawn_after_the_end_counts(fish):
+def test_planes_drawn_after_the_end_are_ignored(fish):
     tree = KDTree(fish.points)
-    planes = drawn(fish.points, 300, np.random.default_rng(0))
-    everything = voted(*planes, fish.points, tree, 0.05, None)
-    early = voted(*planes, fish.points, tree, 0.05, 0.95)
+    planes = draw_planes(fish.points, 300, np.random.default_rng(0))
+    everything = vote_until_confident(*planes, fish.points, tree, 0.05, None)
+    early = vote_until_confident(*planes, fish.points, tree, 0.05, 0.95)
     assert len(everything) == len(planes[1])
-    np.testing.assert_array_equal(early, everything[: stopping(everything, 0.95)])
+    np.testing.assert_array_equal(early, everything[: num_draws_needed(everything, 0.95)])
 
 
 METHODS = {
@@ -233,7 +241,7 @@ def test_the_plane_moves_with_the_cloud(method, fish, rng, one_thread):
     few = fish.points[:600]
     found = method.rank(few, np.random.default_rng(1))
     turn, shift, scale = np.eye(3)[[2, 0, 1]] * (1, -1, 1), rng.normal(size=3) * 10, 37.0
-    if not isinstance(method, Pyclarcs):  # which sees the box along the axes
+    if not isinstance(method, Pyclarcs):  # its scale depends on the box along the axes
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     moved = method.rank(scale * few @ turn.T + shift, np.random.default_rng(1))
     length = np.linalg.norm(few - few.mean(axis=0), axis=1).mean()
@@ -246,7 +254,7 @@ def test_the_plane_moves_with_the_cloud(method, fish, rng, one_thread):
     np.testing.assert_allclose(moved.scores, found.scores, rtol=1e-6)
 
 
-@pytest.mark.parametrize("method", [RansacOnMatches(), RansacOnPoints(draws=500)])
+@pytest.mark.parametrize("method", [RansacOnMatches(), RansacOnPoints(max_draws=500)])
 def test_same_generator_same_planes(method, fish):
     first, second = (method.rank(fish.points, np.random.default_rng(7)) for _ in range(2))
     for left, right in zip(first, second, strict=True):
@@ -261,7 +269,7 @@ def test_clouds_without_a_surface_are_refused(method, rng):
         method.rank(rng.normal(size=(20, 3)), rng)
 
 
-def test_an_absent_package_is_named(monkeypatch, fish, rng):
+def test_the_error_names_a_missing_package(monkeypatch, fish, rng):
     monkeypatch.setitem(sys.modules, "pyclarcs", None)
     monkeypatch.setitem(sys.modules, "pyclarcs.coarse", None)
     with pytest.raises(ImportError, match="pip install pyclarcs"):

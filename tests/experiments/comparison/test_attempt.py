@@ -5,15 +5,15 @@ import pytest
 
 import symjax
 from experiments.baselines import registry
-from experiments.baselines.registry import ENTRIES, OURS, PEER
+from experiments.baselines.registry import ENTRIES, OURS, PYCLARCS
 from experiments.comparison.attempt import attempt, ranked_planes
-from experiments.data.cases import made
+from experiments.data.cases import generate_case
 from experiments.studies.robust import robustness
 
 
 @pytest.fixture(scope="module")
 def boat():
-    return made("boat", 700, 3)
+    return generate_case("boat", 700, 3)
 
 
 def test_ours_holds_what_it_takes_for_mirror_planes(boat):
@@ -49,5 +49,5 @@ def test_methods_that_are_compared_as_they_stand_are_of_the_arena():
 
 def test_a_package_that_is_absent_is_said_loudly(monkeypatch, capsys):
     monkeypatch.setattr(registry.importlib.util, "find_spec", lambda name: None)
-    assert registry.usable(["pca", PEER]) == ["pca"]
+    assert registry.usable(["pca", PYCLARCS]) == ["pca"]
     assert "PYCLARCS IS NOT INSTALLED" in capsys.readouterr().err

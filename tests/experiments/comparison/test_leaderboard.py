@@ -12,7 +12,7 @@ from experiments.comparison import published
 from experiments.comparison.curves import precision_recall
 from experiments.comparison.leaderboard import best_f, leaderboard, measures_of, pivot, prediction, tallies
 from experiments.comparison.tracks import TRACKS
-from experiments.data.cases import made
+from experiments.data.cases import generate_case
 from experiments.metrics import score_curve
 from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
@@ -21,7 +21,7 @@ from tests.experiments.comparison.rows import row, silent
 
 @pytest.fixture(scope="module")
 def boat():
-    return made("boat", 700, 3)
+    return generate_case("boat", 700, 3)
 
 
 def test_a_row_scores_as_the_case_that_it_is_of(boat):

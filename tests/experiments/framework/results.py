@@ -1,12 +1,12 @@
-"""Files as a study leaves them, for the tests of the page."""
+"""Writes result files like those of a study, for the tests of the page."""
 
 import json
 
 from experiments.framework.tables import markdown
 
 
-def left(out, name, *, lines, config=None, models=None, figures=()):
-    """Files as a study leaves them."""
+def write_results(out, name, *, lines, config=None, models=None, figures=()):
+    """Writes result files like those of a study."""
     about = {
         "command": f"python -m experiments.run {name} --size small",
         "size": "small",
@@ -26,4 +26,5 @@ def left(out, name, *, lines, config=None, models=None, figures=()):
 
 
 def section(page, name):
+    """The section of a study."""
     return page.split(f"\n## {name}\n")[1].split("\n## ")[0]

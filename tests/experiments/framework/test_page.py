@@ -1,14 +1,14 @@
-"""The page of what studies left."""
+"""The page of the studies' results."""
 
 from experiments.framework.catalogue import STUDIES, load
 from experiments.framework.page import page
 from experiments.framework.provenance import count_models
-from tests.experiments.framework.results import left, section
+from tests.experiments.framework.results import section, write_results
 
 
 def test_a_section_has_command_table_figure_and_provenance(tmp_path):
     lines = [{"what": "area", "value": 0.12345}, {"what": "a|b", "value": 2}]
-    left(tmp_path, "deviation", lines=lines, figures=(".png", ".pdf"))
+    write_results(tmp_path, "deviation", lines=lines, figures=(".png", ".pdf"))
     text = page(tmp_path, tmp_path.parent, {})
     text = section(text, "deviation")
     assert "```sh\npython -m experiments.run deviation --size small\n```" in text
@@ -19,17 +19,17 @@ def test_a_section_has_command_table_figure_and_provenance(tmp_path):
     assert load("deviation").title in text
 
 
-def test_the_page_depends_on_the_files_alone_and_keeps_the_order(tmp_path):
+def test_the_page_depends_on_the_files_alone_and_keeps_the_order_of_the_catalogue(tmp_path):
     for name in reversed(STUDIES):
-        left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
+        write_results(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
     text = page(tmp_path, tmp_path, {})
     assert text == page(tmp_path, tmp_path, {})
     assert [line.removeprefix("## ") for line in text.splitlines() if line.startswith("## ")] == list(STUDIES)
 
 
-def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
+def test_a_study_without_results_has_no_section_but_a_reason(tmp_path):
     for name in ("sphere", "gradient", "robustness"):
-        left(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
+        write_results(tmp_path, name, lines=[{"what": "x", "value": 1.0}])
     text = page(tmp_path, tmp_path, {"gradient": "failed with status 1", "robustness": "data absent"})
     assert "## sphere" in text
     for name, why in (("gradient", "failed with status 1"), ("robustness", "data absent"), ("planted", "not run")):
@@ -37,23 +37,23 @@ def test_what_was_not_run_or_failed_or_had_no_data_has_no_section(tmp_path):
         assert f"`{name}` ({why})" in text
 
 
-def test_models_are_counted_and_absent_ones_said_loudly(tmp_path):
+def test_models_are_counted_and_absent_ones_are_reported(tmp_path):
     rows = [
         {"group": "generated", "model": model, "seed": seed} for model, seed in (("chair", 0), ("chair", 1), ("car", 0))
     ]
     counted = count_models(rows)
-    left(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=counted)
+    write_results(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder", "seeds": 2}, models=counted)
     text = section(page(tmp_path, tmp_path, {}), "robustness")
     assert "Models: 2 generated. THE REAL MODELS WERE ABSENT." in text
     assert "seeds 2" in text
     counted = count_models([*rows, {"group": "exact", "model": "spot", "seed": 0}])
-    left(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder"}, models=counted)
+    write_results(tmp_path, "robustness", lines=[{"value": 1}], config={"data": "folder"}, models=counted)
     text = section(page(tmp_path, tmp_path, {}), "robustness")
     assert "Models: 1 exact; 2 generated." in text
     assert "ABSENT" not in text
 
 
-def test_what_a_study_says_under_its_table_is_kept(tmp_path):
-    left(tmp_path, "arena", lines=[{"value": 1}])
+def test_notes_of_a_study_are_on_the_page(tmp_path):
+    write_results(tmp_path, "arena", lines=[{"value": 1}])
     (tmp_path / "arena.md").write_text("| value |\n| --- |\n| 1 |\n\nNot the first in one column.\n")
     assert "| 1 |\n\nNot the first in one column." in section(page(tmp_path, tmp_path, {}), "arena")

@@ -1,4 +1,4 @@
-"""Where results come from."""
+"""The provenance of results."""
 
 import dataclasses
 import json
@@ -8,7 +8,7 @@ from experiments.framework.project import RESULTS
 from experiments.framework.provenance import provenance
 
 
-def test_no_path_of_a_machine_is_kept():
+def test_paths_are_relative_to_the_checkout():
     @dataclasses.dataclass
     class Config:
         data: str = str(RESULTS)

@@ -1,4 +1,4 @@
-"""The command: studies by name, all of them, and what becomes of their results."""
+"""The command `experiments.run`: one study, several or all, and their results."""
 
 import importlib
 import json
@@ -13,7 +13,7 @@ from experiments.framework.catalogue import STUDIES, load
 from experiments.framework.project import PROJECT, RESULTS, results_folder
 from experiments.framework.run_study import FAILED, NOT_MEASURED, run_study
 from experiments.framework.study import Study
-from tests.experiments.framework.results import left, section
+from tests.experiments.framework.results import section, write_results
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Config:
 
 
 def study_of(rows, **changed):
-    """A study that has these rows."""
+    """A study whose result is these rows."""
     sizes = {"full": Config(), "small": Config(seed=1)}
     return Study("made_up", "A title.\n\nA text.", sizes, lambda config: rows, lambda rows: rows, **changed)
 
@@ -38,14 +38,14 @@ def test_every_study_is_in_the_catalogue_by_its_name():
     assert found == set(STUDIES)
 
 
-def test_every_study_says_what_it_shows_and_on_what_data_and_has_both_sizes():
+def test_every_study_has_a_title_data_and_both_sizes():
     for study in map(load, STUDIES):
         assert study.title.endswith((".", ")."))
         assert study.data
         assert list(study.sizes) == ["full", "small"]
 
 
-def test_no_study_is_a_command_of_its_own():
+def test_no_study_is_a_script_of_its_own():
     workers = {"studies/speed/memory.py", "execution/serving.py", "studies/speed/random_starts.py", "run.py"}
     folder = PROJECT / "experiments"
     commands = {path.relative_to(folder).as_posix() for path in folder.rglob("*.py") if "__main__" in path.read_text()}
@@ -57,7 +57,7 @@ def test_small_results_have_a_folder_of_their_own():
     assert options.parse(load("planted"), []).folder == RESULTS == results_folder("full")
     small = options.parse(load("planted"), ["--size", "small"]).folder
     assert small == RESULTS / "small"
-    # and so has what all the arena's studies go on from
+    # so has the file of results that the studies of the arena share
     full, small = (options.parse(load("arena"), ["--size", size]).config.results for size in ("full", "small"))
     assert (full, small) == (str(RESULTS / "arena.jsonl"), str(RESULTS / "small" / "arena.jsonl"))
 
@@ -73,7 +73,7 @@ def test_a_small_run_never_replaces_the_results_of_a_full_one(tmp_path, capsys):
     assert (tmp_path / "made_up.csv").read_text().split() == ["value", "3"]
 
 
-def test_a_study_leaves_rows_table_and_provenance(tmp_path, capsys):
+def test_a_study_writes_rows_table_and_provenance(tmp_path, capsys):
     study = study_of([{"value": 1}], notes=lambda rows: f"{len(rows)} row.")
     assert run_study(study, ["--seed", "7", "--name", "a b", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "made_up.md").read_text() == "| value |\n| --- |\n| 1 |\n\n1 row.\n"
@@ -83,7 +83,7 @@ def test_a_study_leaves_rows_table_and_provenance(tmp_path, capsys):
     assert "made_up (full): 1 rows" in capsys.readouterr().out
 
 
-def test_nothing_is_written_where_nothing_was_measured(tmp_path, capsys):
+def test_a_study_without_rows_writes_nothing(tmp_path, capsys):
     assert run_study(study_of([]), ["--out", str(tmp_path)]) == NOT_MEASURED
     assert "NOTHING WAS MEASURED" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
@@ -93,10 +93,10 @@ def test_help_names_the_options_with_their_defaults(capsys):
     with pytest.raises(SystemExit) as stop:
         run_study(study_of([]), ["--help"])
     assert stop.value.code == 0
-    said = capsys.readouterr().out
-    assert "python -m experiments.run made_up" in said
-    assert "by default 0 (full), 1 (small)" in said
-    assert "50 % of all" in said
+    text = capsys.readouterr().out
+    assert "python -m experiments.run made_up" in text
+    assert "default: 0 (full), 1 (small)" in text
+    assert "50 % of all" in text
 
 
 def test_the_command_lists_the_studies(capsys, monkeypatch):
@@ -115,29 +115,29 @@ def test_the_command_lists_the_studies(capsys, monkeypatch):
 def test_an_unknown_name_is_refused_before_anything_runs(capsys, monkeypatch):
     monkeypatch.setattr(run, "run_all", None)
     assert run.main(["sphere", "lanscape"]) == run.WRONG_USAGE
-    assert "'lanscape' is unknown: did you mean 'landscape'?" in capsys.readouterr().err
+    assert "there is no study 'lanscape': did you mean 'landscape'?" in capsys.readouterr().err
 
 
 def test_several_studies_run_one_process_after_the_other(tmp_path, capsys):
     assert run.main(["sphere", "sphere", "--size", "small", "--moved", "300", "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    assert "[1/2] sphere: done, " in said
-    assert "[2/2] sphere: done, " in said
+    text = capsys.readouterr().out
+    assert "[1/2] sphere: done, " in text
+    assert "[2/2] sphere: done, " in text
     assert json.loads((tmp_path / "sphere.json").read_text())["config"]["moved"] == 300
 
 
-def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypatch):
+def test_a_failure_is_reported_and_does_not_stop_the_other_studies(tmp_path, capsys, monkeypatch):
     outcomes = {"gradient": "failed with status 2", "robustness": "data absent"}
-    asked = []
+    calls = []
 
-    def ended(name, arguments, environment):
-        asked.append((name, *arguments))
-        left(tmp_path, name, lines=[{"value": 1}])
+    def run_one(name, arguments, environment):
+        calls.append((name, *arguments))
+        write_results(tmp_path, name, lines=[{"value": 1}])
         return outcomes.get(name, "")
 
-    monkeypatch.setattr(run_all, "_run", ended)
+    monkeypatch.setattr(run_all, "_run", run_one)
     assert run.main(["all", "--size", "small", "--out", str(tmp_path)]) == 1
-    assert asked == [(name, "--size", "small", "--out", str(tmp_path)) for name in STUDIES]
+    assert calls == [(name, "--size", "small", "--out", str(tmp_path)) for name in STUDIES]
     assert capsys.readouterr().out.splitlines()[-2:] == ["robustness: data absent", "gradient: failed with status 2"]
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "| 1 |" in section(text, "sphere")
@@ -145,25 +145,25 @@ def test_a_failure_is_said_and_does_not_stop_the_rest(tmp_path, capsys, monkeypa
     assert "`robustness` (data absent), `gradient` (failed with status 2)" in text
 
 
-def test_absent_data_is_no_failure(monkeypatch):
+def test_absent_data_is_not_a_failure(monkeypatch):
     monkeypatch.setattr(run_all, "_run", lambda *_: "data absent")
     assert run.main(["sphere", "gradient"]) == 0
 
 
 @pytest.mark.parametrize(("status", "outcome"), [(0, ""), (1, "failed with status 1"), (NOT_MEASURED, "data absent")])
-def test_the_exit_status_says_what_became_of_a_study(monkeypatch, status, outcome):
+def test_the_exit_status_gives_the_outcome_of_a_study(monkeypatch, status, outcome):
     finished = type("Finished", (), {"returncode": status})
     monkeypatch.setattr(run_all.subprocess, "run", lambda *_, **__: finished)
     assert run_all._run("sphere", [], {}) == outcome
 
 
-def test_the_page_that_is_kept_stands_beside_its_results(tmp_path, monkeypatch):
+def test_the_page_of_the_kept_results_stands_beside_their_folder(tmp_path, monkeypatch):
     out = tmp_path / "out"
     monkeypatch.setattr(run, "RESULTS", out)
     assert run.write_page(out, {}) == tmp_path / "README.md"
     assert run.write_page(tmp_path, {}) == tmp_path / "README.md"
 
 
-def test_the_page_in_the_repository_is_that_of_its_results(tmp_path):
+def test_the_page_in_the_repository_is_up_to_date(tmp_path):
     kept = (PROJECT / "experiments" / "README.md").read_text(encoding="utf-8")
     assert kept == run.page(RESULTS, RESULTS.parent, {})

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.data.cases import made
+from experiments.data.cases import generate_case
 from experiments.metrics import e3sym, funk, hits, shrec
 from experiments.metrics.deviation import deviation
 from experiments.metrics.gte import gte
@@ -66,7 +66,7 @@ def test_scores_do_not_depend_on_pose_and_units(rng):
 
 
 def test_the_true_plane_of_a_generated_object_scores_full_marks():
-    case = made("chair", 300, 0)
+    case = generate_case("chair", 300, 0)
     one = Prediction(ranking(*case.planes), case)
     assert hits.area([deviation(one.ranking.plane(), case)]) > 1 - 1e-9
     assert gte(one).plain < 1e-12

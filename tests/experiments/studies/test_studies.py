@@ -97,12 +97,12 @@ def test_the_estimator_withstands_what_the_baseline_does_not():
 
 
 def test_absent_data_is_said_loudly(capsys):
-    assert list(cases.real(Path("absent"), 100, 1)) == []
+    assert list(cases.real_cases(Path("absent"), 100, 1)) == []
     assert "ABSENT" in capsys.readouterr().err
 
 
 def test_real_models_are_posed_with_their_planes(models):
-    for case in cases.real(models.parent, 400, 1):
+    for case in cases.real_cases(models.parent, 400, 1):
         for plane in case.planes:
             assert np.linalg.norm(plane.normal) == pytest.approx(1.0, abs=1e-6)
             # a mirror plane passes through the middle of its object

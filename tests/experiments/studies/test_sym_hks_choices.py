@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from experiments.data.cases import made
+from experiments.data.cases import generate_case
 from experiments.data.corruptions import trials
-from experiments.framework.options import chosen
+from experiments.framework.options import split_names
 from experiments.studies.symhks import ablation
 from experiments.studies.symhks.choices import CHOICES, DEFAULT, Variant
 from symjax import SymHKS
@@ -13,7 +13,7 @@ from symjax import SymHKS
 
 @pytest.fixture(scope="module")
 def trial():
-    return next(trials([made("quadruped", 500, 0)], ["clean"]))
+    return next(trials([generate_case("quadruped", 500, 0)], ["clean"]))
 
 
 @pytest.mark.parametrize("choice", CHOICES)
@@ -23,7 +23,7 @@ def test_every_choice_has_the_default_once(choice):
 
 
 def test_the_command_takes_all_choices_by_default():
-    assert chosen(ablation.Config().choices, CHOICES) == list(CHOICES)
+    assert split_names(ablation.Config().choices, CHOICES) == list(CHOICES)
 
 
 def test_numbers_rise_so_that_they_can_be_drawn():
