@@ -27,7 +27,7 @@ from experiments.baselines.frame import make_frame
 from experiments.metrics.ranking import Ranking, distinct
 
 REACH = 2.6
-"""The kernel is 0 for α d beyond this; it then differs from exp(−(α d)²) by less than 0.02."""
+"""Value of α d beyond which the kernel is 0. With it the kernel differs from exp(−(α d)²) by less than 0.02."""
 
 FINEST = 160
 """Largest number of cells along the longest axis; without a limit, one distant point would exhaust the memory."""
