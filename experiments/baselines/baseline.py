@@ -1,11 +1,10 @@
-'''The base class of baselines, which turns a ranking of planes into a method of `symjax.detect`.
+"""The base class of baselines, which turns a ranking of planes into a method of `symjax.detect`.
 
 To add a baseline, write a module beside this one with a frozen dataclass of its parameters:
 
     @dataclass(frozen=True, kw_only=True)
     class Centroid(Baseline):
-        """The plane x = 0 through the mean of the cloud, with a constant score."""
-
+        # the plane x = 0 through the mean of the cloud, with a constant score
         name: ClassVar[str] = "centroid"
 
         max_points: int = 5000
@@ -14,13 +13,13 @@ To add a baseline, write a module beside this one with a frozen dataclass of its
             frame = make_frame(points, rng, max_points=self.max_points)
             return frame.ranking(np.array([[1.0, 0.0, 0.0]]), np.array([0.0]), np.array([1.0]))
 
-The module's docstring names the publication, and says which parts are the authors' and which are ours. Then add a line
-to `ENTRIES` in `experiments.baselines.registry`: the baseline takes part in every comparison, and
+The docstring of the module names the publication and says which parts are the authors' and which are ours. Then add a
+line to `ENTRIES` in `experiments.baselines.registry`: the baseline takes part in the comparisons, and
 `tests/experiments/baselines/test_baseline.py` checks it. `symjax.detect(points, method=Centroid())` works as well.
 
 `experiments.baselines.pca` is the shortest example. A method that finds its mirror planes by itself, and reports more
 than a ranking, implements `symjax.Method` instead.
-'''
+"""
 
 from abc import ABC, abstractmethod
 from typing import ClassVar

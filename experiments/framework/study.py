@@ -1,11 +1,8 @@
-'''A study: one question, the functions that answer it with a table or a figure, and the configurations of both sizes.
+"""A study: one question, the functions that answer it with a table or a figure, and the configurations of both sizes.
 
-To add a study, write a module in a package of `experiments/studies/` that ends with a `Study`:
-
-    """How fast the sphere converges: one sentence, the title on the page.
-
-    What the rows mean, and how they are measured.
-    """
+To add a study, write a module in a package of `experiments/studies/`. The first line of its docstring is the title on
+the page, a sentence; the rest of the docstring says what the rows mean and how they are measured. The module defines a
+`Study`:
 
     @dataclass(frozen=True)
     class Config:
@@ -21,7 +18,7 @@ To add a study, write a module in a package of `experiments/studies/` that ends 
 
 and add the line `"convergence": "symhks.convergence:STUDY"` to `experiments.framework.catalogue.STUDIES`. The study is
 then a command, `python -m experiments.run convergence --size small --num-points 300`, and has a section on the page.
-'''
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ def test_a_method_that_raises_has_given_no_answer(monkeypatch):
         def rank(self, points, rng):
             raise ValueError("no plane")
 
-    monkeypatch.setitem(ENTRIES, "pca", registry.baseline("PCA", Failing()))
+    monkeypatch.setitem(ENTRIES, "pca", registry.baseline_entry("PCA", Failing()))
     said = evaluate.evaluate("pca", "procedural", 0, procedural.kind(0), "clean", 0, 200)
     assert (said["angle"], said["planes"], said["raised"]) == (90.0, [], "ValueError('no plane')")
     assert len(said["truths"]) >= 1
