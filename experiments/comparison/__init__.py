@@ -1,1 +1,1 @@
-"""All methods on the same corrupted clouds: objects, tasks, rows, leaderboard, curves and what the paper prints."""
+"""Comparison of all methods on the same corrupted clouds: objects, tasks, leaderboard, curves and published numbers."""

@@ -1,4 +1,4 @@
-"""What a method makes of a cloud: a detection or an error, and its planes as a ranking."""
+"""One run of a method on a cloud: its detection or its error, and its planes as a ranking."""
 
 from time import perf_counter
 from typing import NamedTuple
@@ -12,16 +12,16 @@ from symjax import Detection
 from symjax.geometry.plane import Plane
 
 LARGEST_RANKING_SCORE = 2.0
-"""No candidate of symjax has as much."""
+"""Upper bound on the ranking scores of symjax's candidates, which no candidate reaches."""
 
 
 class Attempt(NamedTuple):
-    """What a method makes of a cloud.
+    """Outcome of one run of a method on a cloud.
 
     Attributes:
-        detection: its answer; None where it raised.
-        seconds: that it took.
-        error: what it raised.
+        detection: what the method returned; None if it raised an exception.
+        seconds: run time.
+        error: the exception as text; empty if there was none.
     """
 
     detection: Detection | None
@@ -30,7 +30,7 @@ class Attempt(NamedTuple):
 
 
 def attempt(entry: Entry, points: Float[np.ndarray, "n 3"], seed: int | list[int] = 0) -> Attempt:
-    """Lets a method try a cloud. One that raises has given no answer, whatever it raises."""
+    """Runs a method on a cloud and times it; any exception counts as no answer."""
     start = perf_counter()
     try:
         detection = entry.detect(points, np.random.default_rng(seed))
@@ -40,31 +40,31 @@ def attempt(entry: Entry, points: Float[np.ndarray, "n 3"], seed: int | list[int
 
 
 class RankedPlanes(NamedTuple):
-    """All planes that a method looked at in the end.
+    """The candidates of a detection.
 
     Attributes:
-        ranking: the best first.
-        held: which of them the method takes for mirror planes.
+        ranking: the candidates, best first.
+        accepted: which of them the method reports as mirror planes.
     """
 
     ranking: Ranking
-    held: Bool[np.ndarray, " k"]
+    accepted: Bool[np.ndarray, " k"]
 
 
 def ranked_planes(detection: Detection) -> RankedPlanes:
-    """The candidates of a detection by their ranking scores.
+    """Sorts the candidates of a detection by their ranking scores.
 
-    A method that can doubt, since its planes have to exceed a threshold, ranks the others behind its mirror planes.
+    If the method has a threshold, the candidates that it rejects are ranked behind those that it accepts.
     """
     planes = [candidate.plane for candidate in detection.candidates]
     normals, offsets = (np.array(part, float) for part in zip(*planes, strict=True))
-    # a candidate that was not refined stands behind those that were, whatever its score
+    # unrefined candidates are listed last and must not overtake the refined ones, whatever their score
     scores = np.minimum.accumulate([candidate.ranking_score for candidate in detection.candidates])
-    held = np.array([any(_same(plane, mirror) for mirror in detection.planes) for plane in planes])
+    accepted = np.array([any(_same(plane, mirror) for mirror in detection.planes) for plane in planes])
     if detection.threshold is not None:
-        scores = np.where(held, scores, scores - LARGEST_RANKING_SCORE)
+        scores = np.where(accepted, scores, scores - LARGEST_RANKING_SCORE)
     order = np.argsort(-scores, kind="stable")
-    return RankedPlanes(Ranking(normals[order], offsets[order], scores[order]), held[order])
+    return RankedPlanes(Ranking(normals[order], offsets[order], scores[order]), accepted[order])
 
 
 def _same(plane: Plane, other: Plane) -> bool:

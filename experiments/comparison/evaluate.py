@@ -1,4 +1,4 @@
-"""One method on one corrupted cloud: the task that the arena is made of."""
+"""Runs one method on one corrupted cloud and scores it: the unit task of the comparison."""
 
 import numpy as np
 
@@ -16,14 +16,14 @@ from experiments.metrics.sde import NUM_SAMPLES, cloud_sde
 from symjax import Detection
 
 FUNCTION = f"{__name__}:evaluate"
-"""What the runner is given."""
+"""The task function, as the runner addresses it."""
 
 STEPS = int(funk.LARGEST_ANGLE)
-"""Steps of the sweep of Funk's thresholds: a degree each."""
+"""Number of steps in the sweep of Funk's thresholds: one per degree of t_a."""
 
 NO_ANSWER: Row = {
     "planes": [],
-    "held": [],
+    "accepted": [],
     "found": False,
     "ambiguous": False,
     "angle": 90.0,
@@ -34,48 +34,53 @@ NO_ANSWER: Row = {
     "funk": [0] * (STEPS + 1),
     "funk_paper": [0] * (STEPS + 1),
 }
-"""The row of a method that raised, or was over a limit."""
+"""Results of a method that raised an exception or exceeded a limit."""
 
 WARM: set[tuple[str, str, int]] = set()
-"""Methods, conditions and sizes that this process has compiled programs for."""
+"""Methods, conditions and sizes for which this process has already compiled its programs."""
 
 
 def evaluate(
     method: str, benchmark: str, item: int, name: str, condition: str, seed: int, num_points: int, data: str = ""
 ) -> Row:
-    """What a method makes of an object in a random pose, corrupted then.
+    """Runs a method on an object, posed at random and then corrupted, and computes all metrics.
+
+    An exception in the method counts as no answer.
 
     Args:
-        method: one of `ENTRIES`.
+        method: a key of `ENTRIES`.
         benchmark: one of `objects.NAMES`.
-        item: number of the object.
-        name: of the object.
-        condition: one of `corruptions.SWEEP_CONDITIONS`.
-        seed: of the pose, the points, the corruption and the method.
-        num_points: points before the corruption.
+        item: number of the object in the benchmark.
+        name: name of the object.
+        condition: a key of `corruptions.SWEEP_CONDITIONS`.
+        seed: seed of the pose, the points, the corruption and the method.
+        num_points: number of points before the corruption.
         data: folder of the benchmark.
 
     Returns:
-        JSON values: the object; all ranked planes (normal, offset, score), which of them the method holds for mirror
-        planes; of the best plane angle (degrees) and offset error (diagonals) to the nearest truth, GTE and SDE; hits
-        at Funk's thresholds, of all planes that are held and in the paper's way; seconds, those of compilation left
-        out. A method that raises has given no answer.
+        JSON values: the object; all ranked planes (normal, offset, score) and which of them the method accepts as
+        mirror planes; for the best plane the angle (degrees) and offset error (diagonals) to the nearest true plane,
+        GTE and SDE; the hits at Funk's thresholds, of all accepted planes and by the paper's protocol; the run time in
+        seconds without compilation.
 
     Raises:
-        ValueError: the object of this number has another name: the benchmark is not what it was.
+        ValueError: If the object with this number has another name, because the benchmark has changed.
     """
     whole = benchmark_object(benchmark, data, item, seed, num_points)
     if whole.case.name != name:
-        raise ValueError(f"object {item} of {benchmark} is {whole.case.name!r} and not {name!r}")
+        raise ValueError(
+            f"object {item} of {benchmark} is {whole.case.name!r}, not {name!r}: the benchmark has changed, "
+            "so start a new file of results"
+        )
     points = next(corruptions.trials([whole.case], [condition])).points
     key = (method, condition, num_points)
     entry = ENTRIES[method]
     if method in COMPILES_PER_SIZE or (method in COMPILES_ONCE and key not in WARM):
         WARM.add(key)
         attempt(entry, points, [seed, item])
-    made = attempt(entry, points, [seed, item])
-    row = _about(whole) | {"seconds": made.seconds, "raised": made.error}
-    return row | (NO_ANSWER if made.detection is None else _scored(made.detection, whole))
+    outcome = attempt(entry, points, [seed, item])
+    row = _about(whole) | {"seconds": outcome.seconds, "raised": outcome.error}
+    return row | (NO_ANSWER if outcome.detection is None else _scored(outcome.detection, whole))
 
 
 def _about(whole: BenchmarkObject) -> Row:
@@ -89,22 +94,23 @@ def _about(whole: BenchmarkObject) -> Row:
 
 
 def _scored(detection: Detection, whole: BenchmarkObject) -> Row:
-    (ranking, is_held), case = ranked_planes(detection), whole.case
+    (ranking, is_accepted), case = ranked_planes(detection), whole.case
     every = Prediction(ranking, case)
-    held = Prediction(Ranking(*(column[is_held] for column in ranking)), case)
-    off, error, best = deviation(ranking.plane(), case), gte(every), ranking.plane()
-    seen = len(whole.dense) >= DENSE
-    sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if seen else None
+    accepted = Prediction(Ranking(*(column[is_accepted] for column in ranking)), case)
+    best = ranking.plane()
+    error, plane_error = deviation(best, case), gte(every)
+    is_dense = len(whole.dense) >= DENSE
+    sde = cloud_sde(best, case.points[:NUM_SAMPLES], whole.dense, case.diagonal) if is_dense else None
     return {
         "planes": np.column_stack(ranking).tolist(),
-        "held": is_held.tolist(),
+        "accepted": is_accepted.tolist(),
         "found": detection.found,
         "ambiguous": detection.ambiguous,
-        "angle": float(off.angle),
-        "offset_error": float(off.offset),
-        "gte": error.plain,
-        "gte_squared": error.squared,
+        "angle": float(error.angle),
+        "offset_error": float(error.offset),
+        "gte": plane_error.plain,
+        "gte_squared": plane_error.squared,
         "sde": sde,
-        "funk": [tally.hits for tally in funk.curve([funk.compared(held, whole.truths)], STEPS)],
+        "funk": [tally.hits for tally in funk.curve([funk.compared(accepted, whole.truths)], STEPS)],
         "funk_paper": [tally.hits for tally in funk.curve([funk.as_in_the_paper(every)], STEPS)],
     }

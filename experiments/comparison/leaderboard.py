@@ -1,4 +1,4 @@
-"""How a method stands on a benchmark under a condition, and the table of all methods by condition."""
+"""The measures of each method on a benchmark under a condition, and the table of methods by conditions."""
 
 from collections.abc import Iterable, Sequence
 
@@ -17,61 +17,63 @@ from experiments.metrics.ranking import Ranking
 from symjax.geometry.plane import Plane
 
 DEGREES = 5
-"""Largest angle of a right answer."""
+"""Largest angle of a correct plane."""
 
 GTE_UNIT, SDE_UNIT = 1e-2, 1e-4
-"""What published tables print GTE and SDE in."""
-
+"""Units in which published tables print GTE and SDE."""
 
 MEASURES = {
     "hit rate": Measure(f"best plane within {DEGREES}° and 2 % of the diagonal"),
-    "F paper": Measure(f"F as the paper takes it: best plane within {DEGREES}°, any offset"),
-    "F": Measure(f"F of Funk, all planes that are held: t_a = {DEGREES}°, t_d = 2/9 s"),
-    "F score": Measure("F at the best threshold of the method's own score, all planes: 5°, 1 %"),
-    "F score, best": Measure("F at the best threshold of the score, best plane alone: 5°, 1 %"),
+    "F paper": Measure(f"F by the paper's protocol: best plane within {DEGREES}°, any offset"),
+    "F": Measure(f"F of Funk, all accepted planes: t_a = {DEGREES}°, t_d = 2/9 s"),
+    "F score": Measure("F at the best threshold on the method's score, all planes: 5°, 1 %"),
+    "F score, best": Measure("F at the best threshold on the method's score, best plane only: 5°, 1 %"),
     "area": Measure("area under hit rate over angle, to 45°"),
     "median angle": Measure("median angle, °", False),
     "median offset": Measure("median offset error, % of the diagonal", False),
     "GTE": Measure("mean GTE, 1e-2", False),
     "GTE squared": Measure("mean squared GTE, 1e-2", False),
-    "SDE": Measure("mean SDE, of those above 0, 1e-4", False, 0.1),
+    "SDE": Measure("mean of the positive SDE, 1e-4", False, 0.1),
     "seconds": Measure("median seconds", False),
 }
-"""The columns that methods are compared in. What gave no answer counts as 90° and a whole diagonal; means of GTE and
-SDE are over answers. SDE is that of points, which two samples of a surface tell to about 0.1."""
+"""The measures by which methods are compared. No answer counts as 90° and one diagonal; the means of GTE and SDE are
+taken over the answers. SDE is measured on points: two samples of a surface determine it to about 0.1."""
 
-OTHERS = {
+FURTHER_MEASURES = {
     f"hit rate {degrees:g}": Measure(f"within {degrees:g}° and 2 %") for degrees in hits.ANGLES if degrees != DEGREES
 } | TRACKS
-"""Further columns: hit rates at other angles, and the measures of other publications."""
+"""Hit rates at other angles, and the measures of other publications."""
 
 
 def prediction(row: Row, most: int | None = None) -> Prediction:
-    """The first planes, by default all, and the truths of a row; the case has the mean of its points in their place."""
+    """Rebuilds the prediction of a row, with its first `most` planes or, by default, all.
+
+    The case has one point, the mean of the cloud, which is all that the metrics of planes need.
+    """
     table = np.array(row["planes"], float).reshape(-1, 5)[:most]
     truths = tuple(Plane(np.array(t[:3]), np.asarray(t[3])) for t in row["truths"])
     case = Case(row["name"], row["group"], np.array([row["centre"]]), truths, row["diagonal"], row["seed"])
     return Prediction(Ranking(table[:, :3], table[:, 3], table[:, 4]), case)
 
 
-def held(row: Row) -> Prediction:
-    """The planes of a row that the method takes for mirror planes, and its truths."""
+def accepted_planes(row: Row) -> Prediction:
+    """Rebuilds the prediction of a row with the planes that the method accepts as mirror planes."""
     every = prediction(row)
-    kept = np.array(row["held"], bool)
-    return every._replace(ranking=Ranking(*(column[kept] for column in every.ranking)))
+    accepted = np.array(row["accepted"], bool)
+    return every._replace(ranking=Ranking(*(column[accepted] for column in every.ranking)))
 
 
 def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
-    """Pooled counts at Funk's thresholds, a degree of t_a each.
+    """Pools the counts of all rows at each of Funk's thresholds, one per degree of t_a.
 
     Args:
-        rows: of one method.
-        column: "funk", of all planes that are held, or "funk_paper", of the best plane alone against one truth.
+        rows: rows of one method.
+        column: "funk" for all accepted planes, or "funk_paper" for the best plane alone against one true plane.
     """
     if column == "funk_paper":
         counts = [(int(bool(row["planes"])), 1) for row in rows]
     else:
-        counts = [(sum(row["held"]), len(row["truths"])) for row in rows]
+        counts = [(sum(row["accepted"]), len(row["truths"])) for row in rows]
     swept = zip(*(row[column] for row in rows), strict=True)
     return [
         pooled(Tally(hit, answers, truths) for hit, (answers, truths) in zip(step, counts, strict=True))
@@ -80,10 +82,10 @@ def tallies(rows: Sequence[Row], column: str) -> list[Tally]:
 
 
 def measures_of(rows: Sequence[Row]) -> Row:
-    """The figures of `MEASURES` and `OTHERS`, and how many objects and answers they are of.
+    """Computes `MEASURES` and `FURTHER_MEASURES`, and counts the objects, the answers and the planes found.
 
     Args:
-        rows: of one method on one benchmark under one condition.
+        rows: rows of one method on one benchmark under one condition.
     """
     deviations = [Deviation(row["angle"], row["offset_error"]) for row in rows]
     angles, offsets = np.array(deviations, float).T
@@ -105,12 +107,17 @@ def measures_of(rows: Sequence[Row]) -> Row:
         "GTE squared": _mean(rows, "gte_squared", GTE_UNIT),
         "SDE": _mean([row for row in rows if row["sde"] and row["sde"] > 0], "sde", SDE_UNIT),
         "seconds": float(np.median([row["seconds"] for row in rows])),
-        **tracks([held(row) for row in rows]),
+        **tracks([accepted_planes(row) for row in rows]),
     }
 
 
 def best_f(rows: Sequence[Row], most: int | None = None) -> float:
-    """The largest F along the curve of precision and recall, of so many planes a shape; 0 where nothing was right."""
+    """Returns the largest F along the curve of precision and recall; 0 if no plane is correct.
+
+    Args:
+        rows: rows of one method.
+        most: number of planes of each shape that count; None is all.
+    """
     curve = score_curve.curve([prediction(row, most) for row in rows])
     both = curve.precision + curve.recall
     return float((2 * curve.precision * curve.recall / np.where(both > 0, both, 1)).max(initial=0.0))
@@ -122,25 +129,25 @@ def _mean(rows: Sequence[Row], column: str, unit: float) -> float | str:
 
 
 def leaderboard(rows: Iterable[Row]) -> list[Row]:
-    """A line a benchmark, condition and method, in the order in which they come."""
+    """Returns one line per benchmark, condition and method, in the order of the rows."""
     groups = grouped(rows, "benchmark", "condition", "method")
     return [
         {
             **{"benchmark": title(benchmark), "condition": condition, "method": method},
-            **{"title": ENTRIES[method].title, "points": of_one[0]["num_points"]},
-            **measures_of(of_one),
+            **{"title": ENTRIES[method].title, "points": group[0]["num_points"]},
+            **measures_of(group),
         }
-        for (benchmark, condition, method), of_one in groups.items()
+        for (benchmark, condition, method), group in groups.items()
     ]
 
 
 def title(benchmark: str) -> str:
-    """What tables call a benchmark."""
+    """Returns the title of a benchmark in the tables."""
     return TITLES.get(benchmark, benchmark)
 
 
 def pivot(lines: Sequence[Row], measures: Iterable[str]) -> list[Row]:
-    """The leaderboard as methods by conditions, a block a benchmark and measure."""
+    """Rearranges the leaderboard as methods by conditions, one block per benchmark and measure."""
     conditions = list(dict.fromkeys(line["condition"] for line in lines))
     cell = {(line["benchmark"], line["title"], line["condition"]): line for line in lines}
     return [

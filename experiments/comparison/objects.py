@@ -1,7 +1,7 @@
-"""The objects of a benchmark by name and number, each with a dense sample of its whole surface.
+"""The objects of each benchmark by number, each with a dense sample of its whole surface.
 
-`procedural` is the generated benchmark. Of the others, which are read from a folder, the numbers count what their
-loader gives.
+The benchmark `procedural` is generated; the others are read from a folder, and an object's number is its position in
+the order of the loader.
 """
 
 import sys
@@ -21,7 +21,7 @@ from experiments.framework.absence import DataAbsentError
 from experiments.metrics.patch import Patches, from_corners
 
 DENSE = 30_000
-"""Points of the dense sample: what `metrics.sde.cloud_sde` asks for."""
+"""Points of the dense sample: the least that `metrics.sde.cloud_sde` needs."""
 
 PROCEDURAL, REAL = "procedural", "real"
 
@@ -39,17 +39,17 @@ LOADERS: dict[str, Callable[[Path], Iterator[Shape]]] = {
 NAMES = (PROCEDURAL, *LOADERS)
 
 TITLES = {PROCEDURAL: procedural.NAME, REAL: "the shared real models"}
-"""What tables call those whose name does not say it."""
+"""Titles in the tables, for benchmarks whose name is not clear by itself."""
 
 
 class BenchmarkObject(NamedTuple):
-    """An object that methods are evaluated on.
+    """An object on which methods are evaluated.
 
     Attributes:
-        case: posed and whole, with the planes that are right.
-        dense: another sample of the same surface, none of it among the points of the case; empty where the benchmark is
-            of clouds with no more points.
-        truths: rectangles of the right planes, where the benchmark publishes them.
+        case: the whole object in its pose, with its true planes.
+        dense: another sample of the same surface that shares no point with the case; it is shorter, or empty, if the
+            benchmark consists of clouds that have no further points.
+        truths: rectangles of the true planes, if the benchmark publishes them.
     """
 
     case: Case
@@ -61,40 +61,53 @@ def _shapes(benchmark: str, data: str) -> Iterator[Shape]:
     return LOADERS[benchmark](MODELS if benchmark == REAL else Path(data))
 
 
-class _Shelf:
-    """The shapes of a loader, walked forwards: tasks ask for them in rising order, and reading one takes a while."""
+class _ForwardReader:
+    """Reads the shapes of a loader in order and restarts only to go back.
+
+    Reading a shape is slow, and tasks request them in ascending order.
+    """
 
     def __init__(self, benchmark: str, data: str) -> None:
-        self._load = lambda: _shapes(benchmark, data)
-        self._shapes, self._next = self._load(), 0
+        self._benchmark, self._data = benchmark, data
+        self._restart()
+
+    def _restart(self) -> None:
+        self._shapes, self._next = _shapes(self._benchmark, self._data), 0
 
     def shape(self, item: int) -> Shape:
         if item < self._next:
-            self._shapes, self._next = self._load(), 0
+            self._restart()
         shape = next(islice(self._shapes, item - self._next, None))
         self._next = item + 1
         return shape
 
 
-_shelf = lru_cache(maxsize=1)(_Shelf)
+@lru_cache(maxsize=1)
+def _reader(benchmark: str, data: str) -> _ForwardReader:
+    return _ForwardReader(benchmark, data)
 
 
 def items(benchmark: str, data: str, most: int) -> dict[int, str]:
-    """Numbers and names of the first objects that have planes and no axis.
+    """Returns the numbers and names of the first objects that have mirror planes and no axis.
 
-    Of an object with an axis all planes through it are right: measures that count truths say nothing of it. The
-    number of skipped objects is printed to stderr, and so is it if there are none, or the real models are absent.
+    Every plane through an axis is a mirror plane, so measures that count true planes do not apply to objects with an
+    axis. Messages to stderr give the number of skipped objects, and say if the real models are absent.
+
+    Args:
+        benchmark: one of `NAMES`.
+        data: folder of the benchmark; empty for `procedural` and `real`.
+        most: largest number of objects.
 
     Raises:
-        DataAbsentError: another benchmark is not in its folder.
-        FileFormatError: a file is malformed.
+        DataAbsentError: If a benchmark other than `real` is not in its folder.
+        FileFormatError: If a file is malformed.
     """
     if benchmark == PROCEDURAL:
         return {k: procedural.kind(k) for k in range(min(most, procedural.NUM_OBJECTS))}
     usable: dict[int, str] = {}
     seen = 0
     try:
-        # one at a time: a benchmark of meshes may not fit into memory
+        # one shape at a time: a benchmark of meshes may not fit into memory
         for shape in _shapes(benchmark, data):
             if len(usable) == most:
                 break
@@ -107,27 +120,27 @@ def items(benchmark: str, data: str, most: int) -> dict[int, str]:
         print(f"REAL MODELS ARE ABSENT: {error}\nSkipped.", file=sys.stderr)
     if len(usable) < seen:
         without = seen - len(usable)
-        print(f"{benchmark}: {without} OF {seen} OBJECTS HAVE NO PLANES OR AN AXIS: left out", file=sys.stderr)
+        print(f"{benchmark}: {without} OF {seen} OBJECTS HAVE AN AXIS OR NO MIRROR PLANE. Skipped.", file=sys.stderr)
     return usable
 
 
 @lru_cache(maxsize=2)
 def benchmark_object(benchmark: str, data: str, item: int, seed: int, num_points: int) -> BenchmarkObject:
-    """An object of a benchmark.
+    """Loads or generates an object of a benchmark.
 
     Args:
         benchmark: one of `NAMES`.
-        data: its folder; empty for `procedural` and `real`, which have theirs.
-        item: its number.
-        seed: of pose and points; of `procedural`, other seeds have other individuals of the same kinds.
-        num_points: points of the case.
+        data: folder of the benchmark; empty for `procedural` and `real`.
+        item: number of the object.
+        seed: seed of the pose and the points; for `procedural` also of the object's shape within its kind.
+        num_points: number of points of the case.
     """
     drawn = num_points + DENSE
     truths = None
     if benchmark == PROCEDURAL:
         whole = procedural.generated_object(item, drawn, seed=procedural.SEED + seed)
     else:
-        shape = _shelf(benchmark, data).shape(item)
+        shape = _reader(benchmark, data).shape(item)
         whole, corners = shape.case(drawn, seed), shape.posed(seed).corners
         truths = None if corners is None else from_corners(corners)
     return BenchmarkObject(whole._replace(points=whole.points[:num_points]), whole.points[num_points:], truths)

@@ -1,4 +1,4 @@
-"""What is run, and what came of it: all figures and tables share one file of results, so that nothing is done twice."""
+"""The tasks of the comparison and their results, in one file that all tables and figures share: no task runs twice."""
 
 import sys
 from collections import Counter
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from experiments.baselines.registry import ENTRIES, usable
 from experiments.comparison import evaluate, objects
@@ -16,7 +17,7 @@ from experiments.framework.options import split_names
 from experiments.framework.tables import Row
 
 RESULTS = "arena.jsonl"
-"""Name of the file of results, in the folder of the tables."""
+"""Name of the file of results in the folder of the tables."""
 
 METHODS = ",".join(ENTRIES)
 
@@ -25,26 +26,26 @@ MISSING = "clean,miss15,miss20,miss28,miss40"
 ALL = f"{OUTLIERS},{MISSING.removeprefix('clean,')},both,noise1,view"
 
 UNKNOWN: Row = {"group": "", "truths": [[0.0, 0.0, 1.0, 0.0]], "centre": [0.0, 0.0, 0.0], "diagonal": 1.0}
-"""Placeholder for an object that no method finished; counted as having one plane that was missed."""
+"""Placeholder for an object on which no method finished: it counts as one missed plane."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        benchmark: which benchmarks, separated by commas.
-        objects: most objects of each.
-        seeds: poses and corruptions of each object.
-        num_points: points of a cloud before it is corrupted.
-        methods: which methods, separated by commas.
-        conditions: which conditions, separated by commas.
-        data: folder of the benchmarks that are read; `real` has one of its own.
-        results: file of results (JSON Lines), whose tasks are not done again; empty is `arena.jsonl` beside the tables.
-        jobs: tasks at a time on this machine; −1 is one a core.
-        dask: address of the scheduler of a cluster to run them on instead.
-        seconds: that a task may take.
-        megabytes: of memory (MiB) that its process may take.
+        benchmark: names of the benchmarks, separated by commas.
+        objects: largest number of objects of each benchmark.
+        seeds: number of poses and corruptions of each object.
+        num_points: points of a cloud before the corruption.
+        methods: names of the methods, separated by commas.
+        conditions: names of the conditions, separated by commas.
+        data: folder of the benchmarks that are read from files; `real` has its own folder.
+        results: file of results (JSON Lines); tasks in it are not run again. Empty is `arena.jsonl` beside the tables.
+        jobs: number of parallel tasks on this machine; −1 is one per core.
+        dask: address of a Dask scheduler, to run the tasks on a cluster instead.
+        seconds: time limit of a task.
+        megabytes: memory limit of a task's process, in MiB.
     """
 
     benchmark: str = f"{objects.PROCEDURAL},real"
@@ -64,11 +65,17 @@ class Config:
 SMALL = Config(benchmark=objects.PROCEDURAL, objects=40, num_points=700, conditions="clean,out100,miss28")
 
 SLOWEST = "3dsymm-26"
-"""A fifth of the time of all methods: left to the full size."""
+"""This method takes a fifth of the time of all methods, so the small size omits it."""
 
 
 def sizes(conditions: str, small: str, *, methods: str = METHODS) -> dict[str, Config]:
-    """The two sizes of a study of some conditions, at the small size fewer."""
+    """Returns the full and the small configuration of a study.
+
+    Args:
+        conditions: conditions at full size, separated by commas.
+        small: conditions at the small size, separated by commas.
+        methods: methods, separated by commas.
+    """
     fewer = ",".join(name for name in methods.split(",") if name != SLOWEST)
     return {
         "full": Config(conditions=conditions, methods=methods),
@@ -77,16 +84,16 @@ def sizes(conditions: str, small: str, *, methods: str = METHODS) -> dict[str, C
 
 
 def place(config: Config, folder: Path) -> Config:
-    """The configuration with its file of results in the folder of the tables, unless it names another."""
+    """Puts the file of results into the folder of the tables, unless the configuration names another file."""
     return config if config.results else replace(config, results=str(folder / RESULTS))
 
 
 def tasks(config: Config) -> list[Row]:
-    """The arguments of all calls of `evaluate`, an object after the other, so that it is made once a process.
+    """Returns the arguments of all calls of `evaluate`, ordered by object, so that a process builds each object once.
 
     Raises:
-        ValueError: a name is unknown.
-        DataAbsentError: a benchmark is not in its folder.
+        ValueError: If a name is unknown.
+        DataAbsentError: If a benchmark is not in its folder.
     """
     methods = usable(split_names(config.methods, ENTRIES))
     conditions = split_names(config.conditions, SWEEP_CONDITIONS)
@@ -106,7 +113,10 @@ def tasks(config: Config) -> list[Row]:
 
 @lru_cache(maxsize=1)
 def outcomes(config: Config) -> list[Row]:
-    """A row a task: its arguments, what `evaluate` returned or, where a limit ended it, that there is no answer."""
+    """Runs the tasks that the file of results does not have yet, and returns one row per task.
+
+    A row has the arguments of the task and the result of `evaluate`, or `NO_ANSWER` if the task exceeded a limit.
+    """
     results = run(
         tasks(config),
         evaluate.FUNCTION,
@@ -124,21 +134,22 @@ def outcomes(config: Config) -> list[Row]:
 
 
 def rows_of(results: Sequence[Result]) -> list[Row]:
-    """The rows of results; metadata missing from an aborted run is copied from another method's row.
+    """Converts results to rows; a task that was aborted takes the data of its object from another method's row.
 
-    What ended with an error is no fault of a method, whose own are caught, and no row: data that is not on a machine of
-    a cluster, or a bug of ours.
+    Tasks that ended with an error are omitted. `evaluate` catches the errors of methods, so the cause is elsewhere:
+    data that is missing on a machine of the cluster, or a bug in the experiments.
     """
     about = {_object(r): {name: r.row[name] for name in UNKNOWN} for r in results if r.status == "ok"}
     return [_row(result, about) for result in results if result.status != "error"]
 
 
-def _row(result: Result, about: Mapping[tuple, Row]) -> Row:
+def _row(result: Result, about: Mapping[tuple[Any, ...], Row]) -> Row:
     if result.status == "ok":
         return {**result.task, **result.row}
     ended = {"seconds": result.seconds, "raised": f"{result.status}: {result.failure}"}
     return {**result.task, **about.get(_object(result), UNKNOWN), **evaluate.NO_ANSWER, **ended}
 
 
-def _object(result: Result) -> tuple:
+def _object(result: Result) -> tuple[Any, ...]:
+    """The arguments that determine the object of a task."""
     return tuple(result.task[name] for name in ("benchmark", "item", "name", "seed", "num_points", "data"))

@@ -1,37 +1,39 @@
-"""Where symjax's default is not first: said in a sentence a column, from the numbers of the table."""
+"""The measures in which symjax's default method is not the best, one sentence each, from the numbers of the table."""
 
 from collections.abc import Mapping, Sequence
 
 from experiments.baselines.registry import ENTRIES, OURS
-from experiments.comparison.leaderboard import MEASURES, OTHERS
+from experiments.comparison.leaderboard import FURTHER_MEASURES, MEASURES
 from experiments.comparison.tracks import Measure
 from experiments.framework.tables import Row, grouped
 
 DIGITS = 3
-"""Significant ones that tables show: what is the same in them is a tie."""
+"""Significant digits in the tables: values that agree in them are tied."""
 
 
-def shortcomings(lines: Sequence[Row], measures: Mapping[str, Measure] = MEASURES | OTHERS) -> list[str]:
-    """One for every benchmark, condition and measure in which another method is better, and one that counts the rest.
+def shortcomings(lines: Sequence[Row], measures: Mapping[str, Measure] = MEASURES | FURTHER_MEASURES) -> list[str]:
+    """Returns a sentence for each benchmark, condition and measure in which another method is better than symjax's.
+
+    The first sentence counts the columns in which symjax's default is first or tied.
 
     Args:
-        lines: of `leaderboard`.
-        measures: by the name of the column.
+        lines: lines of `leaderboard`.
+        measures: the measures to compare, by the name of their column.
     """
-    said, columns = [], 0
-    for (benchmark, condition), of_both in grouped(lines, "benchmark", "condition").items():
+    sentences, columns = [], 0
+    for (benchmark, condition), group in grouped(lines, "benchmark", "condition").items():
         for name, measure in measures.items():
-            behind = _behind(of_both, name, measure)
+            behind = _behind(group, name, measure)
             columns += behind is not None
             if behind:
-                said.append(f"{benchmark}, {condition}, {measure.title}: {behind}")
+                sentences.append(f"{benchmark}, {condition}, {measure.title}: {behind}")
     if not columns:
-        return ["symjax's default is not among the methods, or is alone: nothing to compare."]
-    return [f"symjax's default is first or tied in {columns - len(said)} of {columns} columns.", *said]
+        return ["There is nothing to compare: symjax's default is not among the methods, or is the only one."]
+    return [f"symjax's default is first or tied in {columns - len(sentences)} of {columns} columns.", *sentences]
 
 
 def _behind(lines: Sequence[Row], column: str, measure: Measure) -> str | None:
-    """A sentence where ours is behind, empty where it is not, None where there is nothing to compare it with."""
+    """A sentence if symjax is behind, empty if it is not, None if there is nothing to compare it with."""
     values = {line["method"]: _rounded(line[column]) for line in lines if line[column] != ""}
     if OURS not in values or len(values) < 2:
         return None

@@ -1,4 +1,4 @@
-"""The planes that a method holds, by the measures of SHREC 2023 and of E3Sym."""
+"""Scores the accepted planes of a method by the measures of SHREC 2023 and of E3Sym."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,9 +12,9 @@ class Measure(NamedTuple):
     """A column of a table.
 
     Attributes:
-        title: with the unit.
-        rises: whether more is better.
-        tie: largest difference that says nothing.
+        title: title with the unit.
+        rises: whether a larger value is better.
+        tie: largest difference that counts as a tie.
     """
 
     title: str
@@ -29,11 +29,11 @@ TRACKS = {
     "F E3Sym": Measure("F of E3Sym, mean to 0.2"),
     "F coarse": Measure("F of E3Sym at four thresholds"),
 }
-"""Columns."""
+"""Columns of the table, by their key in the leaderboard."""
 
 
-def tracks(all_held: Sequence[Prediction]) -> Row:
-    """The measures of one method's answers."""
-    phc, of_hits, of_truths = shrec.scores(all_held)
-    coarse = e3sym.f_score(all_held, e3sym.COARSE)
-    return dict(zip(TRACKS, (phc, of_hits, of_truths, e3sym.f_score(all_held), coarse), strict=True))
+def tracks(predictions: Sequence[Prediction]) -> Row:
+    """Computes the measures of `TRACKS` from one method's predictions."""
+    phc, of_hits, of_truths = shrec.scores(predictions)
+    coarse = e3sym.f_score(predictions, e3sym.COARSE)
+    return dict(zip(TRACKS, (phc, of_hits, of_truths, e3sym.f_score(predictions), coarse), strict=True))

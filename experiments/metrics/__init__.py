@@ -1,1 +1,1 @@
-"""How answers are scored: every metric in a file of its own, with the definition that it was published with."""
+"""Metrics of detected planes, one per file, as defined by their publications."""

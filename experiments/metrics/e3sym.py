@@ -1,9 +1,9 @@
 """The F-score of E3Sym (Li et al., ICCV 2023), averaged over thresholds on the distance of planes as 4-vectors.
 
-Answers and truths are matched one to one, nearest pairs first, and counts are pooled over the data set: so does the
-public script `evaluate_official_benchmark.m` of prsnet-repro. Another public script (`metric_F1.py` of
-EnhancedBackProjection) uses the four thresholds `COARSE`, counts every pair that does not match as a false answer and
-lets one answer match several truths: its counts are not reproduced here, only its thresholds.
+Predicted and true planes are matched one to one, nearest pairs first, and counts are pooled over the data set, as in
+the public script `evaluate_official_benchmark.m` of prsnet-repro. Another public script (`metric_F1.py` of
+EnhancedBackProjection) uses the four thresholds `COARSE`. It counts every pair that does not match as a false positive
+and lets one predicted plane match several true ones; we use its thresholds, but not its counts.
 """
 
 from collections.abc import Sequence
@@ -24,28 +24,28 @@ COARSE = np.array([0.05, 0.1, 0.15, 0.2])
 """Thresholds of Aguirre and Sipiran (WACV 2026)."""
 
 
-def tallies(predictions: Sequence[Prediction], thresholds: np.ndarray = FINE) -> list[Tally]:
-    """Pooled counts at every threshold; a match is nearer than the threshold.
+def tallies(predictions: Sequence[Prediction], thresholds: Float[np.ndarray, " t"] = FINE) -> list[Tally]:
+    """Pools the counts of all shapes at every threshold; the planes of a match are nearer than the threshold.
 
     Args:
-        predictions: all shapes, also those without an answer or without a truth.
-        thresholds: largest distances of a match.
+        predictions: one per shape, also for shapes without a predicted or without a true plane.
+        thresholds: upper limits on the distance of a match.
     """
-    found = [matching.by_cost(_distances(one)) for one in predictions]
-    distances = np.sort(np.concatenate(found)) if found else np.empty(0)
-    num_answers = sum(len(one.ranking.offsets) for one in predictions)
-    num_truths = sum(len(one.case.planes) for one in predictions)
+    matched = [matching.by_cost(_distances(prediction)) for prediction in predictions]
+    distances = np.sort(np.concatenate(matched)) if matched else np.empty(0)
+    num_answers = sum(len(prediction.ranking.offsets) for prediction in predictions)
+    num_truths = sum(len(prediction.case.planes) for prediction in predictions)
     hits = np.searchsorted(distances, thresholds, side="left")
     return [Tally(int(count), num_answers, num_truths) for count in hits]
 
 
-def f_score(predictions: Sequence[Prediction], thresholds: np.ndarray = FINE) -> float:
-    """Mean of the pooled F over the thresholds."""
+def f_score(predictions: Sequence[Prediction], thresholds: Float[np.ndarray, " t"] = FINE) -> float:
+    """Computes the mean over the thresholds of F, from pooled counts."""
     return float(np.mean([tally.f for tally in tallies(predictions, thresholds)]))
 
 
 def _distances(prediction: Prediction) -> Float[np.ndarray, "k t"]:
-    """D of every answer and truth."""
+    """Distances of all predicted planes from all true planes."""
     answers, truths = map(prediction.to_diagonals.plane, (prediction.answers, prediction.truths))
     rows = [plane_distance(truths, Plane(*answer)) for answer in zip(*answers, strict=True)]
     return np.array(rows).reshape(len(rows), len(prediction.case.planes))

@@ -1,12 +1,13 @@
-"""Precision, recall and F of the ICCV 2017 challenge (Funk et al. 2017), and as the paper uses them.
+"""Precision, recall and F of the ICCV 2017 challenge (Funk et al. 2017), and the paper's version of them.
 
-An answer is right where its normal is within t_a of the truth's, 0 to 45°, and its centre within t_d, 0 to 2 s, s the
-shortest side of the two rectangles. Counts are pooled over the data set. Each answer, best first, takes the free truth
-of least angle among those that it agrees with: this rule of matching is from memory.
+A predicted plane matches a true one if the angle between their normals is below t_a (0 to 45°) and the distance between
+the centres of their rectangles is below t_d (0 to 2 s, where s is the shortest side of the two rectangles). Counts are
+pooled over the data set. Each predicted plane, best first, takes the free true plane of smallest angle among those that
+it matches; this matching rule is quoted from memory.
 
-The paper puts every centre at the mean of the cloud, so that any t_d is kept to, and scores one answer against one
-truth a shape: precision, recall and F are then one number, the share of answers within t_a, and their curve is the
-diagonal. Which t_a and t_d its F-measures are for is not stated.
+The paper puts every centre at the mean of the cloud, so that every t_d is satisfied, and scores one predicted plane
+against one true plane per shape. Precision, recall and F are then the same number, the share of planes within t_a, and
+their curve is the diagonal. The paper does not state t_a and t_d of its F-measures.
 """
 
 from collections.abc import Sequence
@@ -21,32 +22,32 @@ from experiments.metrics.prediction import Prediction
 from symjax.geometry.directions import deviation_angle
 
 LARGEST_ANGLE = 45.0
-"""Degrees up to which t_a is swept."""
+"""Largest t_a of the sweep, in degrees."""
 
 LARGEST_DISTANCE = 2.0
-"""Multiple of s up to which t_d is swept."""
+"""Largest t_d of the sweep, in multiples of s."""
 
 
 class Compared(NamedTuple):
-    """The rectangles of the answers of one shape, best first, and those of its truths."""
+    """Rectangles of the predicted planes of one shape, best first, and of its true planes."""
 
     answers: Patches
     truths: Patches
 
 
 def compared(prediction: Prediction, truths: Patches | None = None) -> Compared:
-    """Rectangles of a case, bounding its whole cloud.
+    """Computes the rectangles of a case, which bound its whole cloud.
 
     Args:
-        prediction: the case and its answers.
-        truths: rectangles of the truths, from a file; by default they bound the cloud as those of the answers do.
+        prediction: the case and its predicted planes.
+        truths: published rectangles of the true planes; by default they bound the cloud too.
     """
     points = prediction.case.points
     return Compared(bounding(prediction.answers, points), truths or bounding(prediction.truths, points))
 
 
 def as_in_the_paper(prediction: Prediction) -> Compared:
-    """The best answer and the truth nearest to it, both centred at the mean of the cloud."""
+    """Pairs the best predicted plane with the true plane nearest to it, both centred at the mean of the cloud."""
     answers, truths = compared(prediction)
     best = slice(0, 1)
     if len(answers.sides) and len(truths.sides):
@@ -58,10 +59,10 @@ def as_in_the_paper(prediction: Prediction) -> Compared:
 
 
 def tally(shapes: Sequence[Compared], angle: float, distance: float) -> Tally:
-    """Pooled counts at one pair of thresholds.
+    """Pools the counts of all shapes at one pair of thresholds.
 
     Args:
-        shapes: all shapes.
+        shapes: rectangles of all shapes.
         angle: t_a in degrees.
         distance: t_d in multiples of s.
     """
@@ -69,7 +70,7 @@ def tally(shapes: Sequence[Compared], angle: float, distance: float) -> Tally:
 
 
 def curve(shapes: Sequence[Compared], steps: int = 45) -> list[Tally]:
-    """Pooled counts as both thresholds rise together from 0 to their largest: the curve of precision and recall."""
+    """Pools the counts as both thresholds rise together from 0 to their largest: the curve of precision and recall."""
     return [tally(shapes, LARGEST_ANGLE * part, LARGEST_DISTANCE * part) for part in np.linspace(0, 1, steps + 1)]
 
 
@@ -77,6 +78,6 @@ def _tally(shape: Compared, angle: float, distance: float) -> Tally:
     answers, truths = shape
     degrees = np.asarray(deviation_angle(answers.normals[:, None], truths.normals[None]))
     apart = np.linalg.norm(answers.centres[:, None] - truths.centres[None], axis=2)
-    right = (degrees < angle) & (apart < distance * np.minimum(answers.sides[:, None], truths.sides[None]))
-    matched = matching.by_rank(np.where(right, degrees, np.inf)) >= 0
+    near = (degrees < angle) & (apart < distance * np.minimum(answers.sides[:, None], truths.sides[None]))
+    matched = matching.by_rank(np.where(near, degrees, np.inf)) >= 0
     return Tally(int(matched.sum()), len(answers.sides), len(truths.sides))

@@ -1,8 +1,8 @@
 """Ground-truth error (GTE) of PRS-Net (Gao et al., TVCG 2020): distance of planes as 4-vectors.
 
-(a − a′)² + (b − b′)² + (c − c′)² + (d − d′)² for ax + by + cz + d = 0 with unit normals, the sign of the answer
-being that which makes it less. The formula is from memory. Papers say both "euclidean" and print numbers that only
-fit the square, so both are given.
+(a − a′)² + (b − b′)² + (c − c′)² + (d − d′)² for ax + by + cz + d = 0 with unit normals; the sign of the predicted
+plane is the one that gives the smaller value. The formula is quoted from memory. Papers call it Euclidean but print
+numbers that fit only the squared form, so we compute both.
 """
 
 from typing import NamedTuple
@@ -14,11 +14,11 @@ from symjax.geometry.plane import Plane
 
 
 class GroundTruthError(NamedTuple):
-    """Distance of an answer from the nearest truth.
+    """Distance of a predicted plane from the nearest true plane.
 
     Attributes:
-        squared: the sum of squares, which the published tables hold.
-        plain: its square root.
+        squared: sum of squares, as in the published tables.
+        plain: square root of `squared`.
     """
 
     squared: float
@@ -26,18 +26,22 @@ class GroundTruthError(NamedTuple):
 
 
 def gte(prediction: Prediction) -> GroundTruthError:
-    """GTE of the best answer of a case: the least over its truths.
+    """Computes the GTE of the best predicted plane of a case: its distance from the nearest true plane.
 
-    That the best answer alone is scored is our choice: which planes the published means run over is not known.
+    We score the best plane alone; the planes over which the published means run are not known.
 
     Args:
-        prediction: at least one answer and one truth.
+        prediction: a case with at least one true plane, and at least one predicted plane.
 
     Raises:
-        InvalidArgumentError: no answer, or no truth.
+        InvalidArgumentError: If there is no predicted or no true plane.
     """
-    if not len(prediction.ranking.offsets) or not prediction.case.planes:
-        raise InvalidArgumentError(f"GTE of {prediction.case.name!r}: an answer and a truth are needed")
+    num_answers, num_truths = len(prediction.ranking.offsets), len(prediction.case.planes)
+    if not num_answers or not num_truths:
+        raise InvalidArgumentError(
+            f"GTE of {prediction.case.name!r} needs at least one predicted and one true plane, "
+            f"but there are {num_answers} and {num_truths}"
+        )
     answers, truths = map(prediction.to_diagonals.plane, (prediction.answers, prediction.truths))
     plain = float(plane_distance(truths, Plane(answers.normal[0], answers.offset[0])).min())
     return GroundTruthError(plain**2, plain)

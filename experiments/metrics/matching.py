@@ -1,4 +1,4 @@
-"""One-to-one matching of answers to truths, greedily, and counts of the matches, pooled over a data set."""
+"""Greedy one-to-one matching of predicted planes (answers) to true planes (truths), and counts of the matches."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -8,13 +8,13 @@ from jaxtyping import Float, Int
 
 
 def by_rank(cost: Float[np.ndarray, "k t"]) -> Int[np.ndarray, " k"]:
-    """Every answer in turn, best first, takes the free truth of least cost.
+    """Matches answers to truths in order of rank: each answer takes the free truth of least cost.
 
     Args:
-        cost: of answer k and truth t; infinite where they do not match.
+        cost: cost of each answer, best first, and truth; infinite if they do not match.
 
     Returns:
-        The truth of each answer, −1 where it has none.
+        The truth of each answer; −1 if it has none.
     """
     free = np.array(cost, float)
     truth = np.full(len(cost), -1)
@@ -29,12 +29,15 @@ def by_rank(cost: Float[np.ndarray, "k t"]) -> Int[np.ndarray, " k"]:
 
 
 def by_cost(cost: Float[np.ndarray, "k t"]) -> Float[np.ndarray, " m"]:
-    """The cheapest pair first, then the cheapest of what is left, until answers or truths are used up.
+    """Matches answers to truths in order of cost: the cheapest pair first, until either side is used up.
 
-    A limit on the cost only cuts this sequence short: one matching serves all limits.
+    A limit on the cost only cuts this sequence short, so one matching serves all limits.
+
+    Args:
+        cost: cost of each answer and truth.
 
     Returns:
-        The costs of the pairs, rising.
+        The costs of the matched pairs, ascending.
     """
     left = np.array(cost, float)
     costs = np.empty(min(cost.shape))
@@ -49,9 +52,9 @@ class Tally(NamedTuple):
     """Counts over a data set.
 
     Attributes:
-        hits: answers that were matched to a truth (true positives).
-        answers: planes that were proposed.
-        truths: planes that are right.
+        hits: answers that match a truth (true positives).
+        answers: predicted planes.
+        truths: true planes.
     """
 
     hits: int
@@ -60,12 +63,12 @@ class Tally(NamedTuple):
 
     @property
     def precision(self) -> float:
-        """Hits over answers; 0 where nothing was proposed."""
+        """Hits over answers; 0 if there are no answers."""
         return self.hits / max(self.answers, 1)
 
     @property
     def recall(self) -> float:
-        """Hits over truths; 0 where there are none."""
+        """Hits over truths; 0 if there are no truths."""
         return self.hits / max(self.truths, 1)
 
     @property
@@ -75,6 +78,6 @@ class Tally(NamedTuple):
 
 
 def pooled(tallies: Iterable[Tally]) -> Tally:
-    """The sums of all counts: a shape with three planes weighs three times as much as one with a single plane."""
+    """Sums the counts: a shape with three true planes weighs three times as much as a shape with one."""
     rows = list(tallies)
     return Tally(*(sum(column) for column in zip(*rows, strict=True))) if rows else Tally(0, 0, 0)

@@ -1,7 +1,7 @@
-"""The rectangle of a plane that lies in the object: the benchmark of Funk et al. compares the middles of two.
+"""Bounded rectangles of mirror planes: the benchmark of Funk et al. compares the centres of two rectangles.
 
-A file gives three corners. In what the organisers' writer wrote, the first is next to both others, so that the middle
-is (p_b + p_c)/2; (p_a + p_c)/2, as the paper prints, is the middle of an edge.
+A file gives three corners. In the files of the organisers, the first corner is adjacent to both others, so that the
+centre is (p_b + p_c)/2; the formula printed in the paper, (p_a + p_c)/2, is the midpoint of an edge.
 """
 
 from typing import NamedTuple
@@ -17,8 +17,8 @@ class Patches(NamedTuple):
 
     Attributes:
         normals: unit normals.
-        centres: their middles.
-        sides: the shorter side of each.
+        centres: centres of the rectangles.
+        sides: shorter side of each rectangle.
     """
 
     normals: Float[np.ndarray, "k 3"]
@@ -27,11 +27,11 @@ class Patches(NamedTuple):
 
 
 def from_corners(corners: Float[np.ndarray, "k 3 3"], *, as_printed: bool = False) -> Patches:
-    """Rectangles of a file.
+    """Builds rectangles from the corners in a file.
 
     Args:
-        corners: p_a, p_b, p_c of every plane, not on one line.
-        as_printed: take the paper's centre (p_a + p_c)/2.
+        corners: p_a, p_b, p_c of every plane, not collinear.
+        as_printed: use the centre printed in the paper, (p_a + p_c)/2.
     """
     a, b, c = corners.swapaxes(0, 1)
     normals = np.cross(b - a, c - a)
@@ -41,10 +41,11 @@ def from_corners(corners: Float[np.ndarray, "k 3 3"], *, as_printed: bool = Fals
 
 
 def bounding(planes: Plane, points: Float[np.ndarray, "n 3"]) -> Patches:
-    """The rectangles that bound the projections of all points, for planes that are given without one.
+    """Computes the rectangles that bound the projections of all points onto each plane.
 
-    As the organisers' writer places them: one side along the projection of z on the plane, or of x where that is
-    short. It bounds the inliers, and its axes are not of unit length; both are put right here.
+    They are oriented as in the organisers' program: one side is along the projection of the z axis onto the plane, or
+    of the x axis if that projection is short. The organisers' program bounds only the inliers and uses axes that are
+    not of unit length; both are corrected here.
     """
     normals, offsets = map(np.asarray, planes)
     centres, sides = np.empty_like(normals), np.empty(len(normals))

@@ -1,4 +1,4 @@
-"""What every metric scores: the planes that a method predicts, and the case that they are for."""
+"""The input of every metric: the planes that a method predicts for a case."""
 
 from typing import NamedTuple
 
@@ -14,8 +14,8 @@ class Prediction(NamedTuple):
     """A case and the planes predicted for it.
 
     Attributes:
-        ranking: the predicted planes, best first; none where the method gave up.
-        case: the object, whole: its points and right planes in one frame.
+        ranking: predicted planes, best first; empty if the method failed.
+        case: the whole object, with its points and true planes in one frame.
     """
 
     ranking: Ranking
@@ -28,15 +28,16 @@ class Prediction(NamedTuple):
 
     @property
     def truths(self) -> Plane:
-        """The right planes that are listed; the planes through an axis are not."""
+        """The true planes; those through an axis, which are infinitely many, are not included."""
         planes = self.case.planes
         return Plane(np.array([p.normal for p in planes]).reshape(-1, 3), np.array([float(p.offset) for p in planes]))
 
     @property
     def to_diagonals(self) -> Similarity:
-        """Into the frame in which planes are compared as 4-vectors: about the mean of the points, in diagonals.
+        """Transform to the frame in which planes are compared as 4-vectors: origin at the mean, unit of one diagonal.
 
-        Their offsets depend on origin and unit. PRS-Net's frame is that of ShapeNetCore.v2: the middle of the bounding
-        box, of diagonal 1. The mean is our choice for clouds in any pose: that middle moves as the object turns.
+        The offsets depend on the origin and the unit. PRS-Net uses the frame of ShapeNetCore.v2, whose origin is the
+        centre of a bounding box of diagonal 1. For clouds in any pose we use the mean instead: the centre of the
+        bounding box moves as the object rotates.
         """
         return Similarity(self.case.diagonal, None, self.case.points.mean(axis=0)).inverse()

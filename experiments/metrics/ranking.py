@@ -1,4 +1,4 @@
-"""Ranked planes, and how far planes are apart as 4-vectors."""
+"""Ranked planes, and the distance of planes as 4-vectors."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,12 @@ from symjax.geometry.plane import Plane
 
 
 class Ranking(NamedTuple):
-    """The planes that a method proposes, best first.
+    """The planes that a method predicts, best first.
 
     Attributes:
         normals: unit normals, each with its largest component positive.
-        offsets: normal · x = offset, in the units of the points.
-        scores: the method's own score, falling; no scale is shared between methods.
+        offsets: offsets of the planes normal · x = offset, in the units of the points.
+        scores: scores of the method, descending; they are not comparable between methods.
     """
 
     normals: Float[np.ndarray, "k 3"]
@@ -22,14 +22,15 @@ class Ranking(NamedTuple):
     scores: Float[np.ndarray, " k"]
 
     def plane(self, k: int = 0) -> Plane:
-        """The k-th best plane."""
+        """Returns the plane at index k, 0 being the best."""
         return Plane(self.normals[k], self.offsets[k])
 
 
 def plane_distance(planes: Plane, plane: Plane) -> Float[np.ndarray, " k"]:
-    """D(p, q) = min(|p − q|, |p + q|) over the 4-vectors (n, w), w in the units of the frame."""
-    rows, row = np.column_stack([*planes]), np.append(*plane)
-    return np.minimum(np.linalg.norm(rows - row, axis=1), np.linalg.norm(rows + row, axis=1))
+    """Computes min(|p − q|, |p + q|) of the 4-vectors (n, ω) of each plane p and the plane q, in the units of ω."""
+    p, q = np.column_stack([*planes]), np.append(*plane)
+    distance: Float[np.ndarray, " k"] = np.minimum(np.linalg.norm(p - q, axis=1), np.linalg.norm(p + q, axis=1))
+    return distance
 
 
 def distinct(
@@ -40,7 +41,18 @@ def distinct(
     apart: float,
     most: int,
 ) -> Int[np.ndarray, " j"]:
-    """Indices of the best planes, best first, none within `apart` (see `plane_distance`) of a better one."""
+    """Selects the best planes that are at least a distance apart from all better ones (non-maximum suppression).
+
+    Args:
+        normals: unit normals.
+        offsets: offsets of the planes.
+        scores: scores, in any order.
+        apart: least `plane_distance` between selected planes.
+        most: largest number of selected planes.
+
+    Returns:
+        Indices of the selected planes, best first.
+    """
     kept: list[int] = []
     for k in np.argsort(-scores, kind="stable"):
         if len(kept) == most:

@@ -1,7 +1,8 @@
-"""Precision against recall as a threshold on the method's own score falls, at fixed limits of angle and offset.
+"""Precision against recall as a threshold on the method's score falls, at fixed limits of angle and offset error.
 
-Unlike the sweep of the limits it says whether the scores tell right answers from wrong ones, and it does not collapse
-to the diagonal where every shape has one truth and one answer. It needs scores that are comparable between shapes.
+Unlike a sweep of the limits, this curve shows whether the scores separate correct planes from wrong ones, and it is not
+the diagonal when every shape has one true and one predicted plane. It requires scores that are comparable between
+shapes.
 """
 
 from collections.abc import Sequence
@@ -16,11 +17,17 @@ from symjax.geometry.directions import deviation_angle
 from symjax.geometry.distance import offset_error
 
 WITHIN_ANGLE, WITHIN_OFFSET = 5.0, 0.01
-"""Largest angle (degrees) and distance (diagonals) of a right answer."""
+"""Largest angle (degrees) and offset error (diagonals) of a correct plane."""
 
 
 class Curve(NamedTuple):
-    """A point for each distinct score, the highest first: what counts is every answer that scores at least as much."""
+    """A curve of precision and recall, with one point per distinct score.
+
+    Attributes:
+        scores: thresholds, descending; all planes that score at least the threshold count.
+        precision: precision at each threshold.
+        recall: recall at each threshold.
+    """
 
     scores: Float[np.ndarray, " m"]
     precision: Float[np.ndarray, " m"]
@@ -28,19 +35,19 @@ class Curve(NamedTuple):
 
 
 def curve(predictions: Sequence[Prediction]) -> Curve:
-    """The curve over all shapes, counts pooled; empty where nothing was predicted."""
-    scores = np.concatenate([np.empty(0), *(one.ranking.scores for one in predictions)])
-    right = np.concatenate([np.empty(0, bool), *(_right(one) for one in predictions)])
-    num_truths = sum(len(one.case.planes) for one in predictions)
+    """Computes the curve over all shapes from pooled counts; it is empty if no plane was predicted."""
+    scores = np.concatenate([np.empty(0), *(prediction.ranking.scores for prediction in predictions)])
+    correct = np.concatenate([np.empty(0, bool), *(_correct(prediction) for prediction in predictions)])
+    num_truths = sum(len(prediction.case.planes) for prediction in predictions)
     order = np.argsort(-scores, kind="stable")
-    hits, scores = np.cumsum(right[order]), scores[order]
-    # ties come in or stay out together: their order must not matter
+    hits, scores = np.cumsum(correct[order]), scores[order]
+    # planes with equal scores count together, so that their order does not matter
     last = np.flatnonzero(np.append(scores[1:] != scores[:-1], True)[: len(scores)])
     return Curve(scores[last], hits[last] / (last + 1), hits[last] / max(num_truths, 1))
 
 
-def _right(prediction: Prediction) -> Bool[np.ndarray, " k"]:
-    """Which answers are matched to a truth, one to one, best first, the nearest in angle."""
+def _correct(prediction: Prediction) -> Bool[np.ndarray, " k"]:
+    """Which predicted planes match a true plane; each, best first, takes the free true plane of smallest angle."""
     answers, case = prediction.answers, prediction.case
     cost = np.full((len(answers.offset), len(case.planes)), np.inf)
     for t, truth in enumerate(case.planes):

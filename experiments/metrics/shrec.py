@@ -1,9 +1,9 @@
 """PHC and mAP of the SHREC 2023 track "Symmetry detection on point clouds" (Sipiran et al. 2023).
 
-By the organisers' script, as it is published with a participant's code (`evaluation_orig.py` of Shrec2023_PRSNET):
-answers by falling confidence; each takes the free truth that is least in a + δ / diagonal among those with
-a = 1 − |cos| at most that of 1° and δ, the distance of the answer's point from the true plane, at most 1 % of the
-diagonal.
+As in the organisers' script, which is published with a participant's code (`evaluation_orig.py` of Shrec2023_PRSNET):
+predicted planes are processed in order of falling confidence. Let a = 1 − |cos| of the angle between the normals, and δ
+the distance of the predicted plane's point from the true plane. Each predicted plane takes the free true plane with the
+smallest a + δ / diagonal, among those where the angle is at most 1° and δ at most 1 % of the diagonal.
 """
 
 from collections.abc import Sequence
@@ -24,13 +24,13 @@ DISTANCE = 0.01
 
 
 class Scores(NamedTuple):
-    """The track's figures.
+    """Scores of the track.
 
     Attributes:
-        phc: share of shapes whose first answer matches.
-        map_of_hits: mean over shapes of the precision at every hit, over the number of hits: the script's mAP. A truth
-            that was missed costs nothing.
-        map_of_truths: the same sum over the number of truths, so that it does.
+        phc: share of shapes whose best predicted plane matches.
+        map_of_hits: mAP as in the script: for each shape the sum of the precision at every hit, divided by the number
+            of hits; then the mean over shapes. Missed true planes do not lower it.
+        map_of_truths: mAP with division by the number of true planes instead, so that missed planes do lower it.
     """
 
     phc: float
@@ -39,10 +39,10 @@ class Scores(NamedTuple):
 
 
 def hits(prediction: Prediction) -> Bool[np.ndarray, " k"]:
-    """Which answers match a truth, best first.
+    """Returns which predicted planes match a true plane, best first.
 
-    The point of an answer is the foot of the mean of the points on its plane: the track's answers are (normal, point),
-    ours have no point, and up to 1° from the truth the choice moves δ.
+    The track represents planes as (normal, point). Ours have no point, so we use the projection of the cloud's mean
+    onto the plane; the choice affects δ if the normals differ, by up to 1°.
     """
     normals, offsets = prediction.answers
     true_normals, true_offsets = prediction.truths
@@ -55,17 +55,17 @@ def hits(prediction: Prediction) -> Bool[np.ndarray, " k"]:
 
 
 def scores(predictions: Sequence[Prediction]) -> Scores:
-    """The figures over all shapes; one without an answer, or without a hit, counts as 0.
+    """Computes the scores over all shapes; a shape without a predicted plane or without a hit counts as 0.
 
     Raises:
-        InvalidArgumentError: there are no shapes.
+        InvalidArgumentError: If there are no shapes.
     """
     if not predictions:
-        raise InvalidArgumentError("PHC and mAP of no shapes at all: give at least one")
+        raise InvalidArgumentError("the list of predictions is empty: PHC and mAP need at least one shape")
     rows = []
-    for one in predictions:
-        hit = hits(one)
+    for prediction in predictions:
+        hit = hits(prediction)
         precision = np.cumsum(hit) / np.arange(1, len(hit) + 1)
         total = float(precision[hit].sum())
-        rows.append((hit[:1].sum(), total / max(hit.sum(), 1), total / max(len(one.case.planes), 1)))
+        rows.append((hit[:1].sum(), total / max(hit.sum(), 1), total / max(len(prediction.case.planes), 1)))
     return Scores(*(float(column) for column in np.mean(rows, axis=0)))

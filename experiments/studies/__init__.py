@@ -1,1 +1,1 @@
-"""One study a question, in a folder for what it is about."""
+"""The studies, one per question, in folders by subject."""

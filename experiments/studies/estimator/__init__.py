@@ -1,1 +1,1 @@
-"""The L2E estimator alone, on planted pairs: its numbers, its derivatives, and what it withstands."""
+"""Studies of the L2E estimator alone, on planted pairs: accuracy, derivatives and robustness."""

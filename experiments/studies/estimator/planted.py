@@ -1,7 +1,8 @@
-"""Planted pairs: how often the estimator is within 7° of the planted plane, and how near on exact pairs.
+"""Planted pairs: how often the estimate is within 7° of the planted plane, and how accurate it is on exact pairs.
 
-Random trials with outliers, σ = 0.05, three blobs: from the paper's start (robust Grassmann average) and from 64
-starts. Then pairs without noise and outliers, in float64 and in float32.
+The first trials are on random pairs with noise and outliers in blobs of three shapes, with σ = 0.05, from the paper's
+start (robust Grassmann average, RGA) and from 64 starts. The others are on exact pairs, without noise and outliers, in
+float64 and in float32.
 """
 
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ from symjax.geometry.plane import Plane
 WITHIN = 7.0
 STARTS = METHODS[:2]
 
-# (blob, start, share of outliers) -> share of trials that must be within 7°
+# by blob, start and share of outliers: required share of trials within 7°
 TARGETS = {("thin", STARTS[0], 0.65): 0.95} | {
     (blob, STARTS[1], share): 0.99 for blob in SEMI_AXES for share in (0.65, 0.8)
 }
@@ -31,15 +32,15 @@ EXACT_ANGLE, EXACT_OFFSET = 1e-6, 1e-9
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
         shares: shares of outlier pairs.
-        trials: clouds for every share and blob.
-        exact_trials: clouds of exact pairs for every blob and precision.
-        num_pairs: pairs of a cloud.
+        trials: sets of pairs for each share and blob.
+        exact_trials: sets of exact pairs for each blob and precision.
+        num_pairs: number of pairs in a set.
         sigma: scale σ of the residual.
-        seed: seed of all clouds.
+        seed: seed of all pairs.
     """
 
     shares: tuple[float, ...] = (0.65, 0.8)
@@ -54,7 +55,7 @@ SIZES = {"full": Config(), "small": Config(shares=(0.65,), trials=5, exact_trial
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud and start."""
+    """Returns one row per set of pairs and start."""
     cases = [(share, 0.01, trial, "float64") for share in config.shares for trial in range(config.trials)]
     cases += [(0.0, 0.0, trial, dtype) for dtype in ("float64", "float32") for trial in range(config.exact_trials)]
     rows = []
@@ -63,16 +64,16 @@ def run(config: Config) -> list[Row]:
             rng = np.random.default_rng([config.seed, trial])
             truth = planted_pairs(rng, config.num_pairs, share, blob, noise=noise)
             with jax.enable_x64(dtype == "float64"):
-                found = planes(jnp.asarray(truth.x, dtype), jnp.asarray(truth.y, dtype), config.sigma)
+                estimates = planes(jnp.asarray(truth.x, dtype), jnp.asarray(truth.y, dtype), config.sigma)
             for start in STARTS:
                 row = {"pairs": "noisy" if noise else "exact", "dtype": dtype, "blob": blob, "outliers": share}
-                row |= {"trial": trial, "start": start, "angle": angle(found[start], truth)}
-                rows.append(row | {"offset_error": _offset_error(found[start], truth)})
+                row |= {"trial": trial, "start": start, "angle": angle(estimates[start], truth)}
+                rows.append(row | {"offset_error": _offset_error(estimates[start], truth)})
     return rows
 
 
 def _offset_error(plane: Plane, truth: PlantedPairs) -> float:
-    """As a fraction of the diagonal."""
+    """Offset error in diagonals."""
     points = np.concatenate([truth.x, truth.y])
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     plane = Plane(plane.normal.astype(float), plane.offset.astype(float))
@@ -81,7 +82,7 @@ def _offset_error(plane: Plane, truth: PlantedPairs) -> float:
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """The share of trials within 7°, and the largest errors on exact pairs."""
+    """Tabulates the share of trials within 7°, and the median and largest errors."""
     lines = []
     groups = grouped(rows, "pairs", "dtype", "blob", "start", "outliers")
     for (kind, dtype, blob, start, share), group in groups.items():

@@ -1,4 +1,4 @@
-"""σ and the share of mirror pairs estimated with the plane, and whether the standard errors are honest."""
+"""Accuracy of σ and of the inlier fraction that are estimated with the plane, and coverage of the standard errors."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ from symjax.l2e.standard_errors import standard_errors
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_pairs: pairs of the estimates.
-        seeds: sets of pairs at each share of outliers.
-        trials: sets of pairs whose regions are counted.
-        trial_pairs: pairs of those.
-        trial_outliers: share of outliers among them.
-        level: of the regions.
+        num_pairs: number of pairs in a set, for the accuracy.
+        seeds: sets of pairs for each share of outliers, for the accuracy.
+        trials: sets of pairs, for the coverage.
+        trial_pairs: number of pairs in a set, for the coverage.
+        trial_outliers: share of outliers, for the coverage.
+        level: confidence level of the regions.
     """
 
     num_pairs: int = 4000
@@ -44,13 +44,13 @@ SIZES = {"full": Config(), "small": Config(num_pairs=400, seeds=2, trials=4, tri
 
 
 def run(config: Config) -> list[Row]:
-    """One row a figure."""
+    """Returns one row per quantity and case."""
     with jax.enable_x64(True):
         return [*_estimates(config), *_coverage(config)]
 
 
-def _row(figure: str, case: str, value: float, worst: float | str, target: str) -> Row:
-    return {"figure": figure, "case": case, "value": value, "worst": worst, "target": target}
+def _row(quantity: str, case: str, value: float, worst: float | str, target: str) -> Row:
+    return {"quantity": quantity, "case": case, "value": value, "worst": worst, "target": target}
 
 
 def _estimates(config: Config) -> Iterator[Row]:
@@ -73,26 +73,26 @@ def _largest(errors: list[float]) -> float:
 
 
 def _coverage(config: Config) -> Iterator[Row]:
-    """How often the region of every fit holds the planted plane; the fits start there, as none may miss it."""
+    """How often the region of a fit contains the planted plane; the fits start there, so that all converge to it."""
     for sigma in (2 * NOISE, AUTO):
-        held, turns, shifts = [], [], []
+        contained, normal_errors, offset_errors = [], [], []
         for seed in trange(config.trials, desc=f"sigma {sigma}", leave=False, disable=None):
             pairs = planted_pairs(np.random.default_rng([seed, 13]), config.trial_pairs, config.trial_outliers)
             fit = fit_plane(pairs.x, pairs.y, sigma, pairs.normal)
             region = standard_errors(fit, pairs.x, pairs.y).plane
             estimate = Plane(np.asarray(fit.plane.normal), np.asarray(fit.plane.offset))
             truth = Plane(pairs.normal, np.asarray(pairs.offset))
-            held.append(region.contains(estimate, truth, level=config.level))
-            turns.append(float(estimate.angle(truth)) / region.normal_degrees)
-            side = np.sign(pairs.normal @ estimate.normal)
-            apart = side * (truth.offset - truth.normal @ region.centre)
-            shifts.append((estimate.offset - estimate.normal @ region.centre - apart) / region.offset)
+            contained.append(region.contains(estimate, truth, level=config.level))
+            normal_errors.append(float(estimate.angle(truth)) / region.normal_degrees)
+            sign = np.sign(pairs.normal @ estimate.normal)
+            true_offset = sign * (truth.offset - truth.normal @ region.centre)
+            offset_errors.append((estimate.offset - estimate.normal @ region.centre - true_offset) / region.offset)
         case = f"sigma {sigma}, {config.trial_pairs} pairs, {config.trial_outliers:.0%} outliers"
-        holding = f"regions that hold the plane, {config.trials} trials"
-        yield _row(holding, case, float(np.mean(held)), "", "0.93 to 0.97")
-        for error, values in (("turn", turns), ("shift", shifts)):
-            figure = f"{error} over its standard error, root mean square"
-            yield _row(figure, case, float(np.sqrt(np.mean(np.square(values)))), "", "1")
+        coverage = f"share of regions that contain the plane, {config.trials} trials"
+        yield _row(coverage, case, float(np.mean(contained)), "", "0.93 to 0.97")
+        for name, errors in (("normal", normal_errors), ("offset", offset_errors)):
+            quantity = f"{name} error / standard error, root mean square"
+            yield _row(quantity, case, float(np.sqrt(np.mean(np.square(errors)))), "", "1")
 
 
 STUDY = Study("self_scale", __doc__, SIZES, run, data=PLANTED)

@@ -1,1 +1,1 @@
-"""The figures and tables of the paper."""
+"""Studies that reproduce the figures and tables of the paper."""

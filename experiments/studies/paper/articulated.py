@@ -1,9 +1,9 @@
-"""A posed model, of which only parts are symmetric, as in the last example of the paper's Figure of partial models.
+"""Detection on a figure with a bent leg, of which only parts are symmetric, as in the paper's last partial model.
 
-Heat kernel signatures stay the same when a limb bends, so that correspondences reach over to the bent limb; they do not
-agree with any plane, and the estimator leaves them out. The picture shows which pairs agree. `bend` is how far the leg
-is swung, `angle` how far the plane is from the true one, both in degrees; inliers at the trunk and at the legs are the
-mean weights of the pairs above and below the hip.
+Heat kernel signatures do not change when a limb bends, so Sym-HKS also finds pairs between the bent leg and the other.
+These pairs agree with no plane, and the estimator rejects them as outliers. The picture shows which pairs agree with
+the plane. `bend` is the angle by which the leg is swung and `angle` the angle between the detected and the true plane,
+both in degrees. The inliers at the trunk and at the legs are the mean weights of the pairs above and below the hip.
 """
 
 from dataclasses import dataclass
@@ -25,13 +25,13 @@ TRUTH = Plane(np.array([1.0, 0.0, 0.0]), np.zeros(()))
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
         num_points: points of the cloud.
         bends: angles, in degrees, by which the left leg is swung forward.
-        drawn: the angle that is drawn.
-        seed: of the figure.
+        drawn: the angle of the picture, in degrees.
+        seed: seed of the figure.
     """
 
     num_points: int = 8000
@@ -44,7 +44,7 @@ SIZES = {"full": Config(), "small": Config(bends=(60.0,))}
 
 
 def posed(config: Config, bend: float) -> Float[np.ndarray, "n 3"]:
-    """A standing figure whose left leg is swung forward about the hip, smoothly, by an angle in degrees."""
+    """Generates a standing figure and swings its left leg forward about the hip, smoothly, by an angle in degrees."""
     points = datasets.generate("human", num_points=config.num_points, rng=config.seed).points.copy()
     low, high = points[:, 2].min(), points[:, 2].max()
     hip = low + 0.47 * (high - low)
@@ -58,34 +58,34 @@ def posed(config: Config, bend: float) -> Float[np.ndarray, "n 3"]:
 
 
 def run(config: Config) -> list[Row]:
-    """One row an angle."""
+    """Returns one row per angle of the leg."""
     rows = []
     for bend in config.bends:
         points = posed(config, bend)
-        found = symjax.detect(points, method="sym-hks", rng=0)
+        detection = symjax.detect(points, method="sym-hks", rng=0)
         rows.append(
             {
                 "bend": bend,
-                "angle": float(found.plane.angle(TRUTH)),
-                "found": found.found,
-                "inliers": found.inlier_fraction,
-                "inliers at the trunk": _share(found, points, above=True),
-                "inliers at the legs": _share(found, points, above=False),
+                "angle": float(detection.plane.angle(TRUTH)),
+                "found": detection.found,
+                "inliers": detection.inlier_fraction,
+                "inliers at the trunk": _mean_weight(detection, points, above=True),
+                "inliers at the legs": _mean_weight(detection, points, above=False),
             }
         )
     return rows
 
 
-def _share(found: Detection, points: Float[np.ndarray, "n 3"], *, above: bool) -> float:
+def _mean_weight(detection: Detection, points: Float[np.ndarray, "n 3"], *, above: bool) -> float:
     """Mean L2E weight of the pairs above, or below, the hip."""
     low, high = points[:, 2].min(), points[:, 2].max()
-    middle = (found.pairs.x[:, 2] + found.pairs.y[:, 2]) / 2
-    chosen = (middle > low + 0.47 * (high - low)) == above
-    return float(found.pairs.weight[chosen].mean()) if chosen.any() else float("nan")
+    heights = (detection.pairs.x[:, 2] + detection.pairs.y[:, 2]) / 2
+    chosen = (heights > low + 0.47 * (high - low)) == above
+    return float(detection.pairs.weight[chosen].mean()) if chosen.any() else float("nan")
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """Symjax's own picture of the figure with the leg swung furthest."""
+    """Draws symjax's picture of the figure with its leg swung by `config.drawn` degrees."""
     symjax.detect(posed(config, config.drawn), method="sym-hks", rng=0).picture(path)
     Image.open(path).convert("RGB").save(path.with_suffix(".pdf"))
 

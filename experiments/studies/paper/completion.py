@@ -1,10 +1,11 @@
-"""Objects with a part removed, completed by the detected plane (the paper's figure of completion), and how well.
+"""Completion of objects with a missing part by the detected plane (the paper's figure of completion), and its error.
 
-A completed cloud is the points and their mirror images, P ∪ Q (Sec. 5.6). The gap is the distance from the removed
-points to it, in diagonals; what is added is measured against another sample of the whole object too, as a wrong plane
-adds points where there is no object. Mirroring cannot fill what was removed on both sides: the true plane is the best
-that it can do, and a third sample of the whole object, in place of the points, the best that can be seen. Generated
-objects, in random poses; the paper has a figure of other objects and no number.
+A completed cloud consists of the points and their mirror images, P ∪ Q (Sec. 5.6). The gap is the distance from the
+removed points to the completed cloud, in diagonals. The added points are also measured, by their distance to another
+sample of the whole object, because a wrong plane adds points off the object. Mirroring cannot fill what is missing on
+both sides, so completion by the true plane is the best result that it can reach. A third sample of the whole object in
+place of the points gives the error that is due to sampling alone. The objects are generated, in random poses; the paper
+has a figure with other objects and no numbers.
 """
 
 from collections.abc import Iterator
@@ -28,27 +29,27 @@ from symjax import datasets
 from symjax.datasets.sample import Sample
 from symjax.geometry.plane import Plane
 
-OPEN, TRUE, ANEW = "not completed", "the true plane", "sampled anew"
-"""What the methods are compared with."""
+NOT_COMPLETED, TRUE_PLANE, RESAMPLED = "not completed", "the true plane", "resampled"
+"""References for the methods."""
 
 UP = np.array([0.0, 0.0, 1.0])
-"""Of generated objects, in their own frames."""
+"""Upward direction of generated objects in their own frames."""
 
 PANEL = (1500, 750)
-"""Pixels of an object in the figure."""
+"""Width and height of an object in the figure, in pixels."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        kinds: kinds of object, of a single plane, separated by commas.
+        kinds: kinds of object with a single mirror plane, separated by commas.
         seeds: objects of each kind.
         num_points: points of a whole object.
-        missing: share of them that is removed as one part.
-        methods: which methods, separated by commas.
-        drawn: most objects in the figure, the first of each kind.
+        missing: share of the points that is removed as one part.
+        methods: names of the methods, separated by commas.
+        drawn: largest number of objects in the figure, the first of each kind.
     """
 
     kinds: str = "quadruped,human,chair,aeroplane,teapot,head,car,bird"
@@ -63,41 +64,41 @@ SIZES = {"full": Config(), "small": Config(kinds="quadruped,human,chair,aeroplan
 
 
 class Part(NamedTuple):
-    """An object of which a part is missing.
+    """An object with a missing part, and two other samples of it that share no points with it or each other.
 
     Attributes:
-        whole: a sample of the whole object, twice as dense, in its pose.
-        kept: points that are left.
-        removed: points that are not.
-        anew: as many points of the whole object again; no two of the samples have a point in common.
+        whole: sample of the whole object, twice as dense, in the same pose.
+        kept: remaining points.
+        removed: removed points.
+        resampled: another sample of the whole object, with as many points as `kept` and `removed` together.
     """
 
     whole: Sample
     kept: Float[np.ndarray, "k 3"]
     removed: Float[np.ndarray, "r 3"]
-    anew: Float[np.ndarray, "n 3"]
+    resampled: Float[np.ndarray, "n 3"]
 
     @property
     def plane(self) -> Plane:
-        """The right plane."""
+        """The true plane."""
         return Plane(self.whole.normals[0], np.asarray(self.whole.offsets[0]))
 
 
 def part(config: Config, kind: str, seed: int, *, posed: bool) -> Part:
-    """An object and what is removed of it: the same part in its own frame and in a random pose."""
+    """Generates an object and removes a part, which is the same in the object's own frame and in a random pose."""
     rng = np.random.default_rng([seed, *kind.encode()])
     whole = datasets.generate(kind, num_points=4 * config.num_points, rng=rng)
     if posed:
-        # distances are then in diagonals of the object in its own frame
+        # the unit of length is then the diagonal of the object in its own frame
         whole = datasets.pose(whole, np.random.default_rng([seed, 1]), scale=1 / whole.diagonal)
     order = np.random.default_rng([seed, 2]).permutation(len(whole.points))
-    given, anew, reference = np.split(whole.points[order], [config.num_points, 2 * config.num_points])
-    kept, rows = datasets.remove_part(given, config.missing, np.random.default_rng([seed, 3]))
-    return Part(whole._replace(points=reference), kept, np.delete(given, rows, axis=0), anew)
+    points, resampled, reference = np.split(whole.points[order], [config.num_points, 2 * config.num_points])
+    kept, rows = datasets.remove_part(points, config.missing, np.random.default_rng([seed, 3]))
+    return Part(whole._replace(points=reference), kept, np.delete(points, rows, axis=0), resampled)
 
 
 def run(config: Config) -> list[Row]:
-    """One row an object and way of completing it."""
+    """Returns one row per object and way of completing it."""
     methods = split_names(config.methods, ENTRIES)
     objects = [(kind, seed) for kind in split_names(config.kinds, datasets.KINDS) for seed in range(config.seeds)]
     return [
@@ -109,13 +110,14 @@ def run(config: Config) -> list[Row]:
 
 def _completed(cut: Part, methods: list[str]) -> Iterator[Row]:
     nothing = np.empty((0, 3))
-    yield {"completed by": OPEN, "angle": "", **_errors(cut, cut.kept, nothing)}
+    unchanged = _errors(cut, cut.kept, nothing)
+    yield {"completed by": NOT_COMPLETED, "angle": "", **unchanged}
     for method in methods:
-        found = attempt(ENTRIES[method], cut.kept).detection
-        ended = {"angle": 90.0, **_errors(cut, cut.kept, nothing)} if found is None else _mirrored(cut, found.plane)
-        yield {"completed by": ENTRIES[method].title, **ended}
-    yield {"completed by": TRUE, **_mirrored(cut, cut.plane)}
-    yield {"completed by": ANEW, "angle": "", **_errors(cut, nothing, cut.anew)}
+        detection = attempt(ENTRIES[method], cut.kept).detection
+        errors = {"angle": 90.0, **unchanged} if detection is None else _mirrored(cut, detection.plane)
+        yield {"completed by": ENTRIES[method].title, **errors}
+    yield {"completed by": TRUE_PLANE, **_mirrored(cut, cut.plane)}
+    yield {"completed by": RESAMPLED, "angle": "", **_errors(cut, nothing, cut.resampled)}
 
 
 def _mirrored(cut: Part, plane: Plane) -> Row:
@@ -125,19 +127,19 @@ def _mirrored(cut: Part, plane: Plane) -> Row:
 def _errors(cut: Part, kept: Float[np.ndarray, "k 3"], added: Float[np.ndarray, "a 3"]) -> Row:
     """Distances from the removed points to the completed cloud, and from the added points to the whole object."""
     gap = cKDTree(np.concatenate([kept, added])).query(cut.removed)[0]
-    beside = cKDTree(cut.whole.points).query(added)[0]
+    off = cKDTree(cut.whole.points).query(added)[0]
     return {
         "gap, mean": float(gap.mean()),
         "gap, 95 %": float(np.quantile(gap, 0.95)),
-        "added, 95 %": float(np.quantile(beside, 0.95)) if len(added) else "",
+        "added, 95 %": float(np.quantile(off, 0.95)) if len(added) else "",
     }
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a way of completing, over all objects and for each kind: means over the objects, and the worst of them."""
+    """Returns one line per way of completing, for all objects and for each kind: means and the worst gap."""
     lines = []
-    for kind, of_kind in ({"all": rows} | grouped(rows, "kind")).items():
-        for way, group in grouped(of_kind, "completed by").items():
+    for kind, rows_of_kind in ({"all": rows} | grouped(rows, "kind")).items():
+        for way, group in grouped(rows_of_kind, "completed by").items():
             line: Row = {"objects": kind, "number": len(group), "completed by": way}
             for name in ("gap, mean", "gap, 95 %", "added, 95 %"):
                 values = [row[name] for row in group if row[name] != ""]
@@ -145,12 +147,12 @@ def summary(rows: list[Row]) -> list[Row]:
             line["gap, 95 %, worst"] = max(row["gap, 95 %"] for row in group)
             angles = [row["angle"] for row in group if row["angle"] != ""]
             line["median deg"] = float(np.median(angles)) if angles else ""
-            lines.append(line | {"data": "generated", "paper": "a figure of others"})
+            lines.append(line | {"data": "generated", "paper": "figure only, other objects"})
     return lines
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """Some objects, upright: the points, plane and pairs, and beside them the completed object, by the default."""
+    """Draws some objects upright: points, plane and pairs, and beside them the completion by the default method."""
     from PIL import Image
 
     from symjax.viz import png
@@ -158,8 +160,8 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     kinds = split_names(config.kinds, datasets.KINDS)[: config.drawn]
     page = Image.new("RGB", (PANEL[0], PANEL[1] * len(kinds)))
     for line, kind in enumerate(kinds):
-        found = symjax.detect(part(config, kind, 0, posed=False).kept, rng=0)
-        page.paste(png.draw(found, size=PANEL, up=UP), (0, line * PANEL[1]))
+        detection = symjax.detect(part(config, kind, 0, posed=False).kept, rng=0)
+        page.paste(png.draw(detection, size=PANEL, up=UP), (0, line * PANEL[1]))
     page.save(path)
     page.save(path.with_suffix(".pdf"), resolution=200)
 

@@ -1,12 +1,14 @@
 """Deviation angle against the share of outlier pairs: the paper's third figure (fig:dv).
 
-L2E from the paper's start (robust Grassmann average) and from 64 starts, beside the least-squares baseline of Eq. 2,
-corrected and as printed; on planted pairs of three blobs, with outliers within the blob and beside it.
+L2E runs from the paper's start (robust Grassmann average, RGA) and from 64 starts, and is compared with least squares
+(L2, Eq. 2) with the corrected matrix H and with H as printed. The pairs are planted in blobs of three shapes, with
+outliers within the blob or beside it.
 
-The paper's claim that the least-squares plane moves away holds for the corrected H where the outliers stand to one
-side; where they fill the object itself they are symmetric about its mirror on average, and L2 stays within a few
-degrees. With the H as printed it is far off in both cases, even without outliers. The paper's start (RGA) alone is not
-enough either: it fails on objects widest across their mirror, and with clutter beside the object.
+The paper claims that the least-squares plane moves away as outliers are added. With the corrected H this holds for
+outliers beside the object. Outliers within the object are on average symmetric about its mirror plane, and L2 stays
+within a few degrees. With H as printed the plane is far off in both cases, even without outliers. For L2E, the paper's
+start alone is not enough: it fails on objects that are widest across their mirror plane, and with clutter beside the
+object.
 """
 
 from dataclasses import dataclass
@@ -25,20 +27,20 @@ from experiments.framework.tables import Row, grouped
 from symjax.datasets.planted_pairs import SEMI_AXES
 
 PAPER_SHARE, PAPER_ANGLE = 0.65, 7.0
-"""The paper: the deviation stays below 7° at 65 % of outliers."""
+"""The paper's claim: the deviation is below 7° at 65 % outliers."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
         shares: shares of outlier pairs.
         blobs: kinds of blob.
-        trials: clouds for every share, blob and place of the outliers.
-        num_pairs: pairs of a cloud.
+        trials: sets of pairs for each share, blob and position of the outliers.
+        num_pairs: number of pairs in a set.
         sigma: scale σ of the residual.
-        seed: seed of all clouds.
+        seed: seed of all pairs.
     """
 
     shares: tuple[float, ...] = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.8, 0.9)
@@ -53,7 +55,7 @@ SIZES = {"full": Config(), "small": Config(shares=(0.0, 0.65, 0.8), trials=3, nu
 
 
 def run(config: Config) -> list[Row]:
-    """One row a method and cloud."""
+    """Returns one row per set of pairs and method."""
     cases = list(product(PLACES, config.blobs, config.shares, range(config.trials)))
     rows = []
     with jax.enable_x64(True):
@@ -66,13 +68,13 @@ def run(config: Config) -> list[Row]:
 
 
 def _angles(rows: list[Row]) -> dict[tuple[str, str, float, str], list[float]]:
-    """By place of the outliers, blob, share and method."""
+    """Deviation angles by position of the outliers, blob, share and method."""
     groups = grouped(rows, "outliers", "blob", "share", "method")
     return {key: [row["angle"] for row in group] for key, group in groups.items()}
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """Medians and the share below 7° at 65 % of outliers."""
+    """Tabulates the median, the upper quartile and the share below 7° at 65 % outliers."""
     return [
         {
             "outliers": f"65 % {place}",
@@ -89,18 +91,18 @@ def summary(rows: list[Row]) -> list[Row]:
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """Median and quartiles of the deviation against the share of outliers."""
-    drawn = figures.new(4 * len(config.blobs), 6.4)
-    axes = drawn.subplots(len(PLACES), len(config.blobs), sharex=True, sharey=True, squeeze=False)
+    """Draws the median and quartiles of the deviation against the share of outliers."""
+    figure = figures.new(4 * len(config.blobs), 6.4)
+    axes = figure.subplots(len(PLACES), len(config.blobs), sharex=True, sharey=True, squeeze=False)
     angles = _angles(rows)
     colours = dict(zip(METHODS, ("tab:cyan", "tab:blue", "tab:red", "tab:orange"), strict=True))
     percent = 100 * np.asarray(config.shares)
     for place, line in zip(PLACES, axes, strict=True):
         for blob, ax in zip(config.blobs, line, strict=True):
             for method, colour in colours.items():
-                of_line = [angles[place, blob, share, method] for share in config.shares]
-                low, middle, high = np.quantile(of_line, [0.25, 0.5, 0.75], axis=1)
-                ax.plot(percent, middle, color=colour, label=method, marker="o", markersize=3)
+                by_share = [angles[place, blob, share, method] for share in config.shares]
+                low, median, high = np.quantile(by_share, [0.25, 0.5, 0.75], axis=1)
+                ax.plot(percent, median, color=colour, label=method, marker="o", markersize=3)
                 ax.fill_between(percent, low, high, color=colour, alpha=0.18, linewidth=0)
             ax.axhline(PAPER_ANGLE, color="gray", linestyle=":", linewidth=1)
             ax.plot(100 * PAPER_SHARE, PAPER_ANGLE, "k*", markersize=10, label="paper: below 7° at 65 %")
@@ -113,7 +115,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     for ax in axes[:, 0]:
         ax.set_ylabel("deviation angle, °")
     axes[0, 0].legend(fontsize=7, loc="upper left")
-    figures.save(drawn, path)
+    figures.save(figure, path)
 
 
 STUDY = Study("deviation", __doc__, SIZES, run, summary, draw=draw, data=PLANTED, paper="its third figure")

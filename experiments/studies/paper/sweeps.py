@@ -1,7 +1,7 @@
-"""The paper's tables and figures that the arena's results hold: five studies of the same tasks.
+"""Five tables and figures of the paper, from the same tasks as the study `arena`.
 
-They differ in their conditions, in the columns of their table and in what they draw. All go on from the results of the
-study `arena` in the same folder.
+The studies differ in their conditions, in the columns of their tables and in their figures. All continue from the
+results of the study `arena` in the same folder.
 """
 
 from collections.abc import Iterable, Mapping
@@ -29,54 +29,54 @@ class Sweep:
     """A sweep of one corruption.
 
     Attributes:
-        printed: the paper's F by method and condition.
-        data: that these are of.
-        corruption: "outliers" or "missing": what the figure runs over; empty where there is no figure.
+        paper: the paper's F by method and condition.
+        data: title of the data on which the paper's F was measured.
+        corruption: "outliers" or "missing", the abscissa of the figure; empty if there is no figure.
     """
 
-    printed: Mapping[str, Mapping[str, float]]
+    paper: Mapping[str, Mapping[str, float]]
     data: str = published.DATA
     corruption: str = ""
 
     def summary(self, rows: list[Row]) -> list[Row]:
-        """Methods by conditions, a block a measure, and what the paper prints."""
+        """Tabulates methods by conditions, one block per measure, followed by the paper's numbers."""
         names = list(dict.fromkeys(row["condition"] for row in rows))
-        return pivot(rows, MEASURES) + published.lines(self.printed, names, self.data)
+        return pivot(rows, MEASURES) + published.lines(self.paper, names, self.data)
 
     def draw(self, config: Config, rows: list[Row], path: Path) -> None:
-        """F as the paper takes it, and the hit rate, which also minds the offset."""
-        drawn = figures.new(13, 5)
-        for axes, measure in zip(drawn.subplots(1, 2), ("F paper", "hit rate"), strict=True):
-            draw_sweep(axes, rows, self.corruption, self.printed if measure == "F paper" else {}, measure)
-        drawn.legend(*drawn.axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
-        figures.save(drawn, path)
+        """Draws F by the paper's protocol, and the hit rate, which depends on the offset too."""
+        figure = figures.new(13, 5)
+        for axes, measure in zip(figure.subplots(1, 2), ("F paper", "hit rate"), strict=True):
+            draw_sweep(axes, rows, self.corruption, self.paper if measure == "F paper" else {}, measure)
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
+        figures.save(figure, path)
 
 
 def lines_of_methods(config: Config) -> list[Row]:
-    """A line a benchmark, condition and method."""
+    """Returns one line per benchmark, condition and method."""
     return leaderboard(outcomes(config))
 
 
 def points_of_curves(config: Config) -> list[Row]:
-    """A line a point of a curve of precision and recall."""
+    """Returns one line per point of the curves of precision and recall."""
     return [line for rows in grouped(outcomes(config), "condition").values() for line in precision_recall(rows)]
 
 
 def largest_f(rows: list[Row]) -> list[Row]:
-    """A line a benchmark, condition and method: the largest F of each sweep, and that of Funk's at 5°."""
+    """Returns one line per benchmark, condition and method: the largest F of each sweep, and F at 5° of Funk's two."""
     groups = grouped(rows, "benchmark", "condition", "method")
     return [
         {"data": benchmark, "condition": condition, "method": ENTRIES[method].title}
-        | {f"largest F, {sweep}": max((_f(r) for r in of_one if r["sweep"] == sweep), default=0.0) for sweep in SWEEPS}
-        | {f"F at {DEGREES}°, {sweep}": _f_at_degrees(of_one, sweep) for sweep in ("thresholds", "paper")}
+        | {f"largest F, {sweep}": max((_f(r) for r in group if r["sweep"] == sweep), default=0.0) for sweep in SWEEPS}
+        | {f"F at {DEGREES}°, {sweep}": _f_at_degrees(group, sweep) for sweep in ("thresholds", "paper")}
         | {"paper": "curve only, other data"}
-        for (benchmark, condition, method), of_one in groups.items()
+        for (benchmark, condition, method), group in groups.items()
     ]
 
 
 def _f(row: Row) -> float:
-    both = row["precision"] + row["recall"]
-    return 2 * row["precision"] * row["recall"] / both if both else 0.0
+    total = row["precision"] + row["recall"]
+    return 2 * row["precision"] * row["recall"] / total if total else 0.0
 
 
 def _f_at_degrees(rows: Iterable[Row], sweep: str) -> float:
@@ -84,17 +84,17 @@ def _f_at_degrees(rows: Iterable[Row], sweep: str) -> float:
 
 
 def draw_curves(config: Config, rows: list[Row], path: Path) -> None:
-    """The three sweeps that are no diagonal by definition."""
+    """Draws the three sweeps whose curve is not the diagonal by definition."""
     first = [row for row in rows if row["condition"] == rows[0]["condition"]]
-    drawn = figures.new(18, 5)
-    for axes, sweep in zip(drawn.subplots(1, 3), ("score", "best", "thresholds"), strict=True):
+    figure = figures.new(18, 5)
+    for axes, sweep in zip(figure.subplots(1, 3), ("score", "best", "thresholds"), strict=True):
         draw_precision_recall(axes, first, sweep)
-    drawn.legend(*drawn.axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
-    figures.save(drawn, path)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7)
+    figures.save(figure, path)
 
 
 def plane_errors(rows: list[Row]) -> list[Row]:
-    """The three errors of every method, and what the paper prints."""
+    """Tabulates the two forms of GTE and SDE of each method, followed by the paper's numbers."""
     lines = [
         {"data": row["benchmark"], "condition": row["condition"], "method": row["title"]}
         | {title: row[name] for name, title in GTE_SDE_COLUMNS.items()}
@@ -102,7 +102,7 @@ def plane_errors(rows: list[Row]) -> list[Row]:
         for row in rows
     ]
     for method, (gte, sde) in published.GTE_SDE.items():
-        about = {"data": published.SHAPENET_DATA, "condition": "clean", "method": f"{method}, printed"}
+        about = {"data": published.SHAPENET_DATA, "condition": "clean", "method": f"{method}, published"}
         lines.append(about | dict(zip(GTE_SDE_COLUMNS.values(), (gte, "", sde), strict=True)) | {"answered": ""})
     return lines
 
@@ -114,10 +114,11 @@ _partial_scans = Sweep(published.PARTIAL, published.PARTIAL_DATA)
 
 OUTLIERS = _study(
     name="outliers",
-    doc="""Which share is right as outliers are added, 0 to 120 % of the points, for all methods.
+    doc="""Hit rate and F of all methods as outliers are added, 0 to 120 % of the points.
 
-Outliers are uniform in the bounding box of the posed cloud; how the paper distributes them is not printed. Its numbers
-are F on Funk 2017, those here on the data that the table names. It goes on from the results of `arena`.
+The outliers are uniform in the bounding box of the posed cloud; the paper does not state the distribution of its
+outliers. The paper's numbers are F on Funk 2017, ours are on the data named in the table. The study continues from the
+results of `arena`.
 """,
     sizes=plan.sizes(plan.OUTLIERS, "clean,out100"),
     summary=_outliers.summary,
@@ -127,10 +128,10 @@ are F on Funk 2017, those here on the data that the table names. It goes on from
 
 MISSING = _study(
     name="missing",
-    doc="""Which share is right as a part of the points is cut away, 0 to 40 %, for all methods.
+    doc="""Hit rate and F of all methods as a part of the object is removed, 0 to 40 % of the points.
 
-The part is the points nearest to a random one. The paper's numbers are F on Funk 2017, those here on the data that the
-table names. It goes on from the results of `arena`.
+The part consists of the points nearest to a random point. The paper's numbers are F on Funk 2017, ours are on the data
+named in the table. The study continues from the results of `arena`.
 """,
     sizes=plan.sizes(plan.MISSING, "clean,miss28"),
     summary=_missing.summary,
@@ -140,10 +141,10 @@ table names. It goes on from the results of `arena`.
 
 PARTIAL_SCANS = _study(
     name="partial_scans",
-    doc="""Which share is right on scans from one side, for ours and the baselines that the paper has on such data.
+    doc="""Hit rate and F on scans from one side, for symjax and the baselines that the paper runs on such data.
 
-The paper's numbers are F on twenty real partial scans of other objects; here a scanner at a random viewpoint sees a
-generated object, or a real model, from one side. It goes on from the results of `arena`.
+The paper's numbers are F on twenty real partial scans of other objects. Here a scanner at a random viewpoint sees a
+generated object, or a real model, from one side. The study continues from the results of `arena`.
 """,
     sizes=plan.sizes("view", "view", methods="robust,sym-hks-printed,sym-hks,nagar-raman,hruda,3dsymm"),
     summary=_partial_scans.summary,
@@ -152,11 +153,11 @@ generated object, or a real model, from one side. It goes on from the results of
 
 PRECISION_RECALL = _study(
     name="precision_recall",
-    doc="""Precision against recall of all methods: as a threshold on their scores falls, and as Funk's thresholds rise.
+    doc="""Precision against recall of all methods, as a threshold on their scores falls and as Funk's thresholds rise.
 
-The paper's figure is on Funk 2017 and prints no numbers. It puts all centres at the mean of the cloud and scores one
-answer against one truth a shape, so that its curve is a diagonal by definition: the last sweep here. The table has the
-largest F of each sweep, and the F at 5°. It goes on from the results of `arena`.
+The paper's figure is on Funk 2017, without numbers. The paper puts all centres at the mean of the cloud and scores one
+detected plane against one true plane per shape, so its curve is the diagonal by definition; this is the sweep "paper"
+here. The table has the largest F of each sweep, and F at 5°. The study continues from the results of `arena`.
 """,
     sizes=plan.sizes("clean", "clean"),
     run=points_of_curves,
@@ -167,11 +168,12 @@ largest F of each sweep, and the F at 5°. It goes on from the results of `arena
 
 GTE_SDE = _study(
     name="gte_sde",
-    doc="""Ground-truth error and symmetry distance error of the best planes of all methods, on whole objects.
+    doc="""Ground-truth error and symmetry distance error of the best plane of each method, on whole objects.
 
-The paper's numbers are of the 1 000 ShapeNet models of PRS-Net; its GTE fits the squared form alone. Here offsets are
-about the mean in diagonals, and SDE is of points against a dense sample of the object, in squared diagonals. With
-`--benchmark shapenet --data FOLDER` the same runs on those models. It goes on from the results of `arena`.
+The paper's numbers are for the 1 000 ShapeNet models of PRS-Net; its GTE is consistent with the squared form only. Here
+offsets are measured from the mean of the cloud, in diagonals, and SDE is measured on points, against a dense sample of
+the object, in squared diagonals. With `--benchmark shapenet --data FOLDER` the study runs on the ShapeNet models. It
+continues from the results of `arena`.
 """,
     sizes=plan.sizes("clean", "clean"),
     summary=plane_errors,

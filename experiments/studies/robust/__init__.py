@@ -1,1 +1,1 @@
-"""The robust method: how often it is right, what each stage is good for, and whether its thresholds and errors hold."""
+"""Studies of the robust method: its correctness, the effect of each stage, and its thresholds and standard errors."""

@@ -1,9 +1,10 @@
-"""What every stage of the robust method is good for: the share of right answers without it, by condition.
+"""Effect of each stage of the robust method: the share of correct answers without the stage, by condition.
 
-Every stage has an option of `Robust` that removes it. Without a stage scores change, and the threshold that they must
-exceed was chosen for the whole method; so a second table has the planes that are right, whether found or not.
-On 46 clouds of `both` and `view` the neutral boundary, the visibility and the outlier rule earned their place;
-agreement of normals and exactness did not on these two (one cloud of a condition is 0.04).
+Each stage is removed by an option of `Robust`. Without a stage the scores change, but the threshold that they must
+exceed was chosen for the whole method. The second half of the table therefore counts the correct planes, whether found
+or not. On 46 clouds of the conditions `both` and `view`, the neutral boundary, the visibility and the outlier rule
+improved the results; the agreement of normals and the exactness did not under these two conditions (one cloud of a
+condition is 0.04).
 """
 
 from dataclasses import dataclass, replace
@@ -22,10 +23,10 @@ from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import deviation
 from symjax.robust.method import Robust
 
-SHARES = {"right": "right answers", "right plane": "right planes"}
+SHARES = {"correct": "correct answers", "correct plane": "correct planes"}
 
 OUTLIER_RULE = "outlier rule"
-"""The one stage that belongs to the preparation of the cloud: `detect(drop_outliers=False)` removes it."""
+"""The only stage that is part of the preparation of the cloud: `detect(drop_outliers=False)` removes it."""
 
 STAGES: dict[str, dict[str, Any]] = {
     "nothing": {},
@@ -40,19 +41,19 @@ STAGES: dict[str, dict[str, Any]] = {
     "exact scoring": {"exact_scoring": False},
     "exactness": {"use_exactness": False},
 }
-"""The options of `Robust` that remove every stage."""
+"""The option of `Robust` that removes each stage."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_points: points of a cloud before it is corrupted.
-        seeds: objects of every kind.
-        kinds: most generated kinds with one plane, counted from the first.
-        conditions: which conditions, separated by commas.
-        stages: which stages are removed, one at a time, separated by commas; "nothing" is the whole method.
+        num_points: points of a cloud before the corruption.
+        seeds: objects of each kind.
+        kinds: number of kinds with a single mirror plane, from the first.
+        conditions: names of the conditions, separated by commas.
+        stages: stages that are removed one at a time, separated by commas; "nothing" is the whole method.
     """
 
     num_points: int = 5000
@@ -66,35 +67,35 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=4, conditions=
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud and stage."""
+    """Returns one row per stage and cloud."""
     cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
     trials = list(corruptions.trials(cases, split_names(config.conditions, corruptions.CONDITIONS)))
     return [_row(stage, trial) for stage in tqdm(split_names(config.stages, STAGES), disable=None) for trial in trials]
 
 
 def without(stage: str) -> Entry:
-    """The robust method without a stage."""
+    """Returns the robust method without a stage."""
     method = replace(Robust(), **STAGES[stage])
     return Entry(f"without {stage}", method, drop_outliers=False if stage == OUTLIER_RULE else None)
 
 
 def _row(stage: str, trial: Trial) -> Row:
-    found = without(stage).detect(trial.points, np.random.default_rng(0))
-    off = deviation(found.plane, trial.case)
-    row = trial.about | {"without": stage, "found": found.found, "angle": off.angle, "offset_error": off.offset}
-    return row | {"right": found.found and off.right, "right plane": off.right}
+    detection = without(stage).detect(trial.points, np.random.default_rng(0))
+    error = deviation(detection.plane, trial.case)
+    row = trial.about | {"without": stage, "found": detection.found, "angle": error.angle, "offset_error": error.offset}
+    return row | {"correct": detection.found and error.correct, "correct plane": error.correct}
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a stage: the shares of right answers, then of right planes, found or not."""
-    return [_line(stage, of, group) for of in SHARES for stage, group in grouped(rows, "without").items()]
+    """Returns one line per stage with the shares of correct answers, then one with those of correct planes."""
+    return [_line(stage, column, group) for column in SHARES for stage, group in grouped(rows, "without").items()]
 
 
-def _line(stage: str, of: str, rows: list[Row]) -> Row:
-    line: Row = {"without": stage, "share of": SHARES[of]}
+def _line(stage: str, column: str, rows: list[Row]) -> Row:
+    line: Row = {"without": stage, "share of": SHARES[column]}
     for condition, group in grouped(rows, "condition").items():
-        line[condition] = float(np.mean([row[of] for row in group]))
-    return line | {"all": float(np.mean([row[of] for row in rows])), "clouds": len(rows)}
+        line[condition] = float(np.mean([row[column] for row in group]))
+    return line | {"all": float(np.mean([row[column] for row in rows])), "clouds": len(rows)}
 
 
 STUDY = Study("ablation", __doc__, SIZES, run, summary, data=GENERATED_SINGLE)

@@ -1,7 +1,8 @@
-"""How often the robust method sees a symmetry where there is one, and none where there is none, by condition.
+"""How often the robust method finds a symmetry in symmetric objects, and none in asymmetric ones, by condition.
 
-And of what kind: one plane, several, all planes through an axis. Below stand the rates that other `FoundThresholds`
-give on the same clouds, from the scores in the rows.
+The table also has the share of objects for which the kind of symmetry is correct: one plane, several planes, or an
+axis. The lower lines have the rates that other `FoundThresholds` would give on the same clouds, computed from the
+scores in the rows.
 """
 
 import warnings
@@ -46,10 +47,10 @@ TRUTHS = {
     "no symmetry": "none",
     "a left boot": "none",
 }
-"""What the cases of a group have, but for the ball."""
+"""True symmetry of the cases of each group, except for the ball."""
 
 BALL = "ball"
-"""The kind that is a sphere: every line through its middle is an axis."""
+"""The kind that is a sphere: every line through its centre is an axis."""
 
 SEVERAL = ("several planes", "axis", "sphere")
 
@@ -59,7 +60,7 @@ GRIDS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"exactness": (-0.1, -0.05, 0.0, 0.05, 0.1), "exact": (-0.1, 0.0, 0.1)},
     {"exactness_per_noise": (-0.2, -0.1, 0.0, 0.1, 0.2)},
 )
-"""Steps from the method's `FoundThresholds`, varied together."""
+"""Grids of thresholds: differences from the method's `FoundThresholds`; those of one grid vary together."""
 
 RATES: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("not found: none", ("none",), "not found"),
@@ -71,21 +72,23 @@ RATES: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("correct kind: several", ("several planes",), "correct kind"),
     ("correct kind: axis", ("axis",), "correct kind"),
 )
-"""Columns of the table: of the clouds whose truth is among these, the share of answers for which the column is true."""
+"""Columns of the table: title, true symmetries of the clouds that count, and column of the rows that is averaged."""
+
+DISAGREEMENT = "clouds for which the rule of this study and the method disagree"
 
 TARGETS = (">= 0.9", ">= 0.98", "<= 0.05", ">= 0.95", ">= 0.95", "reported", "reported", "reported", "reported")
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_points: points of a cloud before it is corrupted.
-        seeds: clouds of every model and kind.
-        kinds: most generated kinds of every symmetry, and real models, that are run, counted from the first.
+        num_points: points of a cloud before the corruption.
+        seeds: clouds of each kind and model.
+        kinds: number of generated kinds of each symmetry, and of real models, from the first.
         data: folder of the real models.
-        conditions: which conditions, separated by commas.
+        conditions: names of the conditions, separated by commas.
     """
 
     num_points: int = 5000
@@ -99,7 +102,7 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=1, co
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud."""
+    """Returns one row per cloud."""
     cases = list(_cases(config))
     names = split_names(config.conditions, corruptions.CONDITIONS)
     trials = corruptions.trials(cases, names)
@@ -108,35 +111,36 @@ def run(config: Config) -> list[Row]:
 
 def _cases(config: Config) -> Iterator[Case]:
     kinds = chain.from_iterable(kinds_of(symmetry, config.kinds) for symmetry in get_args(Symmetry))
-    modelled = islice(real_cases(Path(config.data), config.num_points, config.seeds), config.kinds * config.seeds)
-    return chain(generated_cases(config.num_points, config.seeds, kinds), modelled)
+    models = islice(real_cases(Path(config.data), config.num_points, config.seeds), config.kinds * config.seeds)
+    return chain(generated_cases(config.num_points, config.seeds, kinds), models)
 
 
 def _row(trial: Trial) -> Row:
-    # as many candidates as the background is taken from
-    found = ENTRIES[OURS]._replace(max_planes=BACKGROUND.stop).detect(trial.points, np.random.default_rng(0))
+    # as many candidates as the background score is computed from
+    entry = ENTRIES[OURS]._replace(max_planes=BACKGROUND.stop)
+    detection = entry.detect(trial.points, np.random.default_rng(0))
     truth = TRUTHS[trial.case.group]
-    word = "sphere" if trial.case.name == BALL else truth
+    symmetry = "sphere" if trial.case.name == BALL else truth
     return trial.about | {
         "truth": truth,
-        "found": found.found,
-        "not found": not found.found,
-        "ambiguous": found.ambiguous,
-        "symmetry": found.symmetry,
-        "ambiguous or multiple": found.ambiguous or found.symmetry in SEVERAL,
-        "correct kind": found.symmetry == word,
-        "angle": deviation(found.plane, trial.case).angle,
-        "axis angle": _axis_angle(found, trial.case),
-        "score": found.score,
-        "threshold": found.threshold,
-        "exactness": found.exactness,
-        "background": background(found.candidates),
+        "found": detection.found,
+        "not found": not detection.found,
+        "ambiguous": detection.ambiguous,
+        "symmetry": detection.symmetry,
+        "ambiguous or multiple": detection.ambiguous or detection.symmetry in SEVERAL,
+        "correct kind": detection.symmetry == symmetry,
+        "angle": deviation(detection.plane, trial.case).angle,
+        "axis angle": _axis_angle(detection, trial.case),
+        "score": detection.score,
+        "threshold": detection.threshold,
+        "exactness": detection.exactness,
+        "background": background(detection.candidates),
         "noise": _noise(trial.points),
     }
 
 
 def _noise(points: Float[np.ndarray, "n 3"]) -> float:
-    """The relative noise of the surface that the robust method sees."""
+    """Relative noise of the surface, as the robust method estimates it."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SymjaxWarning)
         cloud = prepare(points, drop_outliers=Robust.drops_outliers)
@@ -144,15 +148,15 @@ def _noise(points: Float[np.ndarray, "n 3"]) -> float:
     return relative_noise(surface, fit_quadrics(surface))
 
 
-def _axis_angle(found: Detection, case: Case) -> float:
-    """Degrees between the axis found and the true one; NaN where there are not both, or many."""
-    if found.symmetry != "axis" or found.axis is None or case.axis is None or case.name == BALL:
+def _axis_angle(detection: Detection, case: Case) -> float:
+    """Angle between the detected and the true axis in degrees; NaN if either is missing or the object is a ball."""
+    if detection.symmetry != "axis" or detection.axis is None or case.axis is None or case.name == BALL:
         return float("nan")
-    return float(distance.deviation_angle(found.axis[1], case.axis[1]))
+    return float(distance.deviation_angle(detection.axis[1], case.axis[1]))
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """Rates by condition, the targets, and the rates that other thresholds give."""
+    """Tabulates the rates by condition, the targets, and the rates with other thresholds."""
     thresholds = Robust().found
     lines = [_line(condition, group) for condition, group in grouped(rows, "condition").items()]
     lines.append(_line("all, generated", [row for row in rows if row["group"].startswith("generated")]))
@@ -162,30 +166,31 @@ def summary(rows: list[Row]) -> list[Row]:
     for grid in GRIDS:
         for steps in product(*grid.values()):
             values = {name: getattr(thresholds, name) + step for name, step in zip(grid, steps, strict=True)}
-            found = would_be_found(rows, replace(thresholds, **values))
-            answers = [row | {"found": at, "not found": not at} for row, at in zip(rows, found, strict=True)]
-            what = ", ".join(f"{name} {value:.2f}" for name, value in values.items())
-            line = _line(what, answers)
+            answers = [
+                row | {"found": found, "not found": not found}
+                for row, found in zip(rows, would_be_found(rows, replace(thresholds, **values)), strict=True)
+            ]
+            line = _line(", ".join(f"{name} {value:.2f}" for name, value in values.items()), answers)
             lines.append(line | dict.fromkeys(list(line)[4:], ""))
     differ = int(np.count_nonzero(would_be_found(rows, thresholds) != [row["found"] for row in rows]))
-    lines.append(dict.fromkeys(lines[0], "") | {"what": "clouds decided otherwise by the rule here", "clouds": differ})
+    lines.append(dict.fromkeys(lines[0], "") | {"clouds of": DISAGREEMENT, "clouds": differ})
     return lines
 
 
-def _line(what: str, rows: list[Row]) -> Row:
-    line: Row = {"what": what, "clouds": len(rows)}
-    for name, truths, of in RATES:
-        values = [row[of] for row in rows if row["truth"] in truths]
+def _line(clouds_of: str, rows: list[Row]) -> Row:
+    line: Row = {"clouds of": clouds_of, "clouds": len(rows)}
+    for name, truths, column in RATES:
+        values = [row[column] for row in rows if row["truth"] in truths]
         line[name] = float(np.mean(values)) if values else "-"
     angles = [row["axis angle"] for row in rows if np.isfinite(row["axis angle"])]
     return line | {"axis, median deg": float(np.median(angles)) if angles else "-"}
 
 
 def would_be_found(rows: list[Row], thresholds: FoundThresholds) -> Bool[np.ndarray, " r"]:
-    """In which clouds these thresholds find a plane, from the numbers in the rows."""
+    """Returns in which clouds the given thresholds find a plane, from the numbers in the rows."""
     names = ("score", "exactness", "background", "noise")
-    score, exactness, others, noise = (np.array([row[name] for row in rows], float) for name in names)
-    return score > thresholds.threshold(exactness, others, noise)
+    score, exactness, other_scores, noise = (np.array([row[name] for row in rows], float) for name in names)
+    return score > thresholds.threshold(exactness, other_scores, noise)
 
 
 STUDY = Study("calibration", __doc__, SIZES, run, summary, data=GENERATED_AND_REAL)

@@ -1,6 +1,7 @@
-"""Both methods under O(3), shift, scale and permutation: how far the plane is from having moved with the cloud.
+"""Equivariance of both methods under O(3), shift, scale and permutation: does the plane move with the cloud?
 
-On generated objects; the largest change among them, in degrees and in shares of the diagonal.
+The table has the largest difference between the plane of the transformed cloud and the transformed plane of the cloud,
+over generated objects, in degrees and diagonals.
 """
 
 from dataclasses import dataclass
@@ -27,13 +28,13 @@ TARGET = "<= 0.1 deg, 0.001 diag"
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
         num_points: points of a cloud.
-        kinds: generated kinds, counted from the first; one object of each.
-        seed: of the changes.
-        methods: which methods, separated by commas.
+        kinds: number of generated kinds, from the first; one object of each.
+        seed: seed of the transformations.
+        methods: names of the methods, separated by commas.
     """
 
     num_points: int = 5000
@@ -46,7 +47,7 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=2)}
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud, method and change."""
+    """Returns one row per cloud, method and change."""
     rows = []
     cases = generated_cases(config.num_points, 1, list(datasets.KINDS)[: config.kinds])
     for number, case in enumerate(tqdm(cases, total=config.kinds, disable=None)):
@@ -61,32 +62,32 @@ def run(config: Config) -> list[Row]:
 
 
 def _change(name: str, num_points: int, rng: np.random.Generator) -> tuple[Similarity, Int[np.ndarray, " n"]]:
-    """What is done to a cloud, and the new order of its points."""
+    """The transformation of a cloud, and the new order of its points."""
     every = name == "all at once"
-    turn, shift, scale, order = np.eye(3), np.zeros(3), 1.0, np.arange(num_points)
+    rotation, shift, scale, order = np.eye(3), np.zeros(3), 1.0, np.arange(num_points)
     if name in ("rotation", "reflection") or every:
-        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-        turn *= np.sign(np.linalg.det(turn)) * (1.0 if name == "rotation" else -1.0)
+        rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        rotation *= np.sign(np.linalg.det(rotation)) * (1.0 if name == "rotation" else -1.0)
     if name.startswith("shift") or every:
         shift = rng.normal(size=3) * 1e6
     if name.startswith("scale"):
         scale = float(name.split()[1])
     if name == "permutation" or every:
         order = rng.permutation(num_points)
-    return Similarity(scale, turn, shift), order
+    return Similarity(scale, rotation, shift), order
 
 
 def _difference(before: Plane, points: Float[np.ndarray, "n 3"], move: Similarity, after: Detection) -> Row:
-    """Between the plane of the moved cloud and the moved plane of the cloud: degrees, and diagonals."""
-    # a point of the plane near the cloud: far from the origin the offset itself is ill-conditioned
-    middle = points.mean(axis=0)
-    foot = move.points(middle - float(before.signed_distance(middle[None])[0]) * before.normal)
-    away = float(np.abs(after.plane.signed_distance(foot[None])[0]))
-    return {"angle": float(after.plane.angle(move.plane(before))), "offset": away / after.diagonal}
+    """Difference between the plane of the moved cloud and the moved plane of the cloud, in degrees and diagonals."""
+    # compare the offsets at a point of the plane near the cloud: far from the origin they are ill-conditioned
+    centre = points.mean(axis=0)
+    foot = move.points(centre - float(before.signed_distance(centre[None])[0]) * before.normal)
+    offset = float(np.abs(after.plane.signed_distance(foot[None])[0]))
+    return {"angle": float(after.plane.angle(move.plane(before))), "offset": offset / after.diagonal}
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """The largest of every method and change."""
+    """Tabulates the largest differences by method and change."""
     return [
         {
             **{"method": method, "change": change, "clouds": len(group)},

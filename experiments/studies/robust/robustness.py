@@ -1,10 +1,11 @@
-"""Which share of the answers is right, by method and condition: outliers, missing parts, noise, one-sided scans.
+"""Share of correct answers by method and condition: outliers, missing parts, noise, scans from one side.
 
-All methods see the same clouds, one after the other. An answer is right where the plane was found and its normal is
-within 5 degrees and its offset within 2 % of the diagonal; in medians, what was not found counts as 90 degrees. `x
-robust` is the median ratio of the times, the methods taking turns. The peer, the one other installable package for bare
-points (`pip install ".[peers]"`), needs a quarter of a minute for 5 000 of them and is left out by default: `--methods
-robust,pyclarcs --seeds 1`.
+All methods run on the same clouds, in turn. An answer is correct if the plane was found, its normal is within 5 degrees
+of the true one and its offset within 2 % of the diagonal. For the medians, a plane that was not found counts as 90
+degrees. `x robust` is the median ratio of the run time to that of `robust`.
+
+pyclarcs is the only other installable package for plain point clouds (`pip install ".[peers]"`). It takes a quarter of
+a minute for 5 000 points and is not run by default; `--methods robust,pyclarcs --seeds 1` runs it.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 from tqdm import tqdm
 
 from experiments.baselines.registry import ENTRIES, OURS, PYCLARCS, usable
@@ -26,7 +28,7 @@ from experiments.framework.tables import Row, grouped
 from experiments.metrics.deviation import Deviation, deviation
 
 METHODS = (OURS, "sym-hks-printed", "sym-hks", "sym-hks-cleaned", PYCLARCS)
-"""By their names in `ENTRIES`."""
+"""Names in `ENTRIES` of the methods of this study."""
 
 TARGETS = {
     "clean": 0.98,
@@ -41,26 +43,26 @@ TARGETS = {
     "noise1": 0.97,
     "view": 0.68,
 }
-"""Least shares of right answers, over models with one known plane."""
+"""Required shares of correct answers, over models with one known plane."""
 
 CLOSE = 1.0
-"""Degrees within which the plane of a shape that is exact by construction should be."""
+"""Largest angle, in degrees, to the plane of a shape that is symmetric by construction."""
 
 NO_ANSWER = Deviation(90.0, 1.0)
-"""What counts where no plane was found."""
+"""Deviation that counts if a method gave no plane."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_points: points of a cloud before it is corrupted.
-        seeds: clouds of every model and kind.
-        kinds: most generated kinds, and real models, with one plane that are run, counted from the first.
+        num_points: points of a cloud before the corruption.
+        seeds: clouds of each kind and model.
+        kinds: number of generated kinds with a single mirror plane, and of real models with a plane, from the first.
         data: folder of the real models.
-        methods: which methods, separated by commas.
-        conditions: which conditions, separated by commas.
+        methods: names of the methods, separated by commas.
+        conditions: names of the conditions, separated by commas.
     """
 
     num_points: int = 5000
@@ -75,7 +77,7 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, seeds=1, kinds=2, co
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud and method."""
+    """Returns one row per cloud and method."""
     methods = usable(split_names(config.methods, METHODS))
     cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
     with_plane = (case for case in real_cases(Path(config.data), config.num_points, config.seeds) if case.planes)
@@ -87,61 +89,62 @@ def run(config: Config) -> list[Row]:
         if trial.condition != warm:
             warm = trial.condition
             for method in methods:
-                attempt(ENTRIES[method], trial.points)  # compiles what a cloud of this size needs
+                attempt(ENTRIES[method], trial.points)  # compiles the programs for clouds of this size
         rows += [_row(trial, method) for method in methods]
     return rows
 
 
 def _row(trial: Trial, method: str) -> Row:
     detection, seconds, error = attempt(ENTRIES[method], trial.points)
-    off = NO_ANSWER if detection is None else deviation(detection.plane, trial.case)
+    errors = NO_ANSWER if detection is None else deviation(detection.plane, trial.case)
     found = detection is not None and detection.found
     return trial.about | {
         "method": method,
         "exact": trial.case.group in ("generated", "exact"),
         "found": found,
         "ambiguous": detection is not None and detection.ambiguous,
-        "angle": off.angle,
-        "offset_error": off.offset,
-        "right": found and off.right,
+        "angle": errors.angle,
+        "offset_error": errors.offset,
+        "correct": found and errors.correct,
         "seconds": seconds,
         "error": error,
     }
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a condition, set of models and method."""
+    """Returns one line per condition, set of models and method."""
     lines = []
-    printed = published.both()["the paper"]
-    for condition, of_condition in grouped(rows, "condition").items():
-        for made in (True, False):
-            by_method = grouped((row for row in of_condition if (row["group"] == "generated") == made), "method")
-            ours = _seconds(by_method.get(OURS, []))
+    paper = published.outliers_and_missing()["the paper"]
+    for condition, under_condition in grouped(rows, "condition").items():
+        for models in ("generated", "real"):
+            of_models = [row for row in under_condition if (row["group"] == "generated") == (models == "generated")]
+            by_method = grouped(of_models, "method")
+            robust = _seconds(by_method.get(OURS, []))
             for method, group in by_method.items():
                 times = _seconds(group)
-                line: Row = {"condition": condition, "models": "generated" if made else "real", "method": method}
-                line |= _rates(group)
-                line |= {"median s": float(np.median(times)), "x robust": _median(times / ours) if len(ours) else "-"}
-                lines.append(line | {"target": TARGETS[condition], "paper": printed.get(condition, "")})
+                line: Row = {"condition": condition, "models": models, "method": method} | _rates(group)
+                line["median s"] = float(np.median(times))
+                line["x robust"] = _median(times / robust) if len(robust) else "-"
+                lines.append(line | {"target": TARGETS[condition], "paper": paper.get(condition, "")})
     return lines
 
 
-def _seconds(rows: list[Row]) -> np.ndarray:
-    return np.array([row["seconds"] for row in rows])
+def _seconds(rows: list[Row]) -> Float[np.ndarray, " r"]:
+    return np.array([row["seconds"] for row in rows], float)
 
 
 def _rates(rows: list[Row]) -> Row:
-    right, found, ambiguous, exact = (
-        np.array([row[name] for row in rows]) for name in ("right", "found", "ambiguous", "exact")
+    correct, found, ambiguous, exact = (
+        np.array([row[name] for row in rows]) for name in ("correct", "found", "ambiguous", "exact")
     )
     angle = np.where(found, [row["angle"] for row in rows], NO_ANSWER.angle)
-    sure = found & ~ambiguous
+    unambiguous = found & ~ambiguous
     return {
         "clouds": len(rows),
-        "right": float(right.mean()),
+        "correct": float(correct.mean()),
         "found": float(found.mean()),
         "ambiguous": float(ambiguous.mean()),
-        "right of sure": float(right[sure].mean()) if sure.any() else "-",
+        "correct if unambiguous": float(correct[unambiguous].mean()) if unambiguous.any() else "-",
         "median deg": _median(angle),
         "exact: within 1 deg": float((angle[exact] < CLOSE).mean()) if exact.any() else "-",
         "exact: median deg": _median(angle[exact]),
@@ -149,7 +152,7 @@ def _rates(rows: list[Row]) -> Row:
     }
 
 
-def _median(values: np.ndarray) -> float | str:
+def _median(values: Float[np.ndarray, " r"]) -> float | str:
     return float(np.median(values)) if len(values) else "-"
 
 

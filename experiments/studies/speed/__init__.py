@@ -1,1 +1,1 @@
-"""Seconds and memory: of the objective, of fits, of sweeps and of whole detections."""
+"""Studies of run time and memory: of the objective, fits, sweeps and whole detections."""

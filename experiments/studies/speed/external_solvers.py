@@ -1,4 +1,4 @@
-"""Other packages' solvers on the estimator's problem: from many starts to the lowest value of ψ that they find."""
+"""Solvers of other packages on the estimator's problem: each runs from many starts and returns the lowest ψ."""
 
 import importlib.util
 from collections.abc import Callable
@@ -17,13 +17,13 @@ from symjax.l2e.solvers.rbfgs import minimise
 
 
 class Task(NamedTuple):
-    """A problem and where to start.
+    """A problem and its starts.
 
     Attributes:
         pairs: centred and scaled pairs.
-        sigma: scale σ.
-        starts: planes (v, ω).
-        max_steps: limit on the steps of every solve.
+        sigma: scale σ, in the units of the scaled pairs.
+        starts: starts (v, ω).
+        max_steps: limit on the steps from each start.
         tol: bound on the gradient.
     """
 
@@ -34,63 +34,66 @@ class Task(NamedTuple):
     tol: float
 
     def psi(self, z: Float[Array, " 4"]) -> Float[Array, ""]:
-        """The objective by the residuals as they are written."""
+        """ψ of a plane, computed directly from the residuals."""
         return scaled_log_loss(z[:3], z[3], self.sigma, self.pairs.x, self.pairs.y)
 
-    def free(self, z: Float[Array, " 4"]) -> Float[Array, ""]:
-        """The same of a vector that is no unit normal yet, for solvers that know no sphere."""
+    def unconstrained(self, z: Float[Array, " 4"]) -> Float[Array, ""]:
+        """ψ after normalisation of the normal, for solvers without a sphere constraint."""
         return self.psi(z.at[:3].divide(jnp.sqrt(jnp.sum(z[:3] ** 2))))
+
+    def solve(self, start: Float[Array, " 4"]) -> Float[Array, ""]:
+        """ψ that Riemannian BFGS reaches from a start."""
+        value: Float[Array, ""] = minimise(
+            self.psi, start, manifold=SPHERE_LINE, max_steps=self.max_steps, tol=self.tol
+        ).value
+        return value
 
 
 OFFSETS = 31
 
 Lowest = Callable[[], Any]
-"""Runs all starts and returns the lowest ψ."""
+"""Runs a solver from all starts and returns the lowest ψ."""
 
 
 def naive(task: Task) -> Lowest:
-    """Our Riemannian BFGS on the residuals as written, all starts under one vmap: what `sweep` was at first."""
-
-    def one(start: Float[Array, " 4"]) -> Float[Array, ""]:
-        solved = minimise(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol)
-        return solved.value
-
-    run = jax.jit(lambda starts: jnp.min(jax.vmap(one)(starts)))
+    """Returns symjax's Riemannian BFGS on the residuals, with all starts under one vmap, like the first `sweep`."""
+    run = jax.jit(lambda starts: jnp.min(jax.vmap(task.solve)(starts)))
     return lambda: run(task.starts)
 
 
 def naive_from_normals(task: Task) -> Lowest:
-    """The same from normals alone: the offset of each is the best of 31 quantiles of the mid-points' heights."""
+    """Returns `naive`, but from normals; the offset is the best of 31 quantiles of the mid-points along the normal."""
     x, y = task.pairs.x, task.pairs.y
     shares = jnp.asarray((np.arange(OFFSETS) + 0.5) / OFFSETS, x.dtype)
 
-    def one(v: Float[Array, " 3"]) -> Float[Array, ""]:
+    def solve(v: Float[Array, " 3"]) -> Float[Array, ""]:
         offsets = jnp.quantile(jnp.sum(0.5 * (x + y) * v[None, :], axis=1), shares)
         values = jax.vmap(lambda omega: task.psi(jnp.append(v, omega)))(offsets)
-        start = jnp.append(v, offsets[jnp.argmin(values)])
-        return minimise(task.psi, start, manifold=SPHERE_LINE, max_steps=task.max_steps, tol=task.tol).value
+        return task.solve(jnp.append(v, offsets[jnp.argmin(values)]))
 
-    run = jax.jit(lambda normals: jnp.min(jax.vmap(one)(normals)))
+    run = jax.jit(lambda normals: jnp.min(jax.vmap(solve)(normals)))
     return lambda: run(task.starts[:, :3])
 
 
 def with_optimistix(task: Task) -> Lowest:
-    """Optimistix BFGS under one vmap."""
+    """Returns the BFGS of optimistix, with all starts under one vmap."""
     import optimistix as optx
 
     solver: Any = optx.BFGS(rtol=task.tol, atol=task.tol)
 
-    def one(start: Float[Array, " 4"]) -> Float[Array, ""]:
-        solved: Any = optx.minimise(lambda z, _: task.free(z), solver, start, max_steps=task.max_steps, throw=False)
-        return task.free(solved.value)
+    def solve(start: Float[Array, " 4"]) -> Float[Array, ""]:
+        solution: Any = optx.minimise(
+            lambda z, _: task.unconstrained(z), solver, start, max_steps=task.max_steps, throw=False
+        )
+        return task.unconstrained(solution.value)
 
-    run = jax.jit(lambda starts: jnp.nanmin(jax.vmap(one)(starts)))
+    run = jax.jit(lambda starts: jnp.nanmin(jax.vmap(solve)(starts)))
     return lambda: run(task.starts)
 
 
 def with_scipy(task: Task) -> Lowest:
-    """SciPy's BFGS, start by start, on a compiled value and gradient."""
-    compiled = jax.jit(jax.value_and_grad(task.free))
+    """Returns the BFGS of SciPy, one start after the other, on a compiled value and gradient."""
+    compiled = jax.jit(jax.value_and_grad(task.unconstrained))
 
     def fun(z: Float[np.ndarray, " 4"]) -> tuple[float, Float[np.ndarray, " 4"]]:
         value, gradient = compiled(z)
@@ -99,37 +102,38 @@ def with_scipy(task: Task) -> Lowest:
     options = {"gtol": task.tol, "maxiter": task.max_steps}
 
     def run() -> float:
-        solved = (scipy.optimize.minimize(fun, z, jac=True, method="BFGS", options=options) for z in starts)
-        return min(float(one.fun) for one in solved)
+        solutions = (scipy.optimize.minimize(fun, z, jac=True, method="BFGS", options=options) for z in starts)
+        return min(float(solution.fun) for solution in solutions)
 
     starts = np.asarray(task.starts, float)
     return run
 
 
 def with_pymanopt(task: Task, optimiser: str) -> Lowest:
-    """Pymanopt on S² × R, start by start, on a compiled value and gradient."""
+    """Returns a solver of pymanopt on S² × R, one start after the other, on a compiled value and gradient."""
     import pymanopt
     from pymanopt.manifolds import Euclidean, Product, Sphere
 
     manifold = Product([Sphere(3), Euclidean(1)])
     compiled = jax.jit(jax.value_and_grad(task.psi))
-    bent = jax.jit(lambda z, step: jax.jvp(jax.grad(task.psi), (z,), (step,))[1])
+    hessian_product = jax.jit(lambda z, step: jax.jvp(jax.grad(task.psi), (z,), (step,))[1])
 
-    @pymanopt.function.numpy(manifold)
     def cost(v: Float[np.ndarray, " 3"], omega: Float[np.ndarray, " 1"]) -> float:
         return float(compiled(np.append(v, omega))[0])
 
-    @pymanopt.function.numpy(manifold)
-    def gradient(v: Float[np.ndarray, " 3"], omega: Float[np.ndarray, " 1"]) -> list[Float[np.ndarray, " k"]]:
-        slope = np.asarray(compiled(np.append(v, omega))[1], float)
-        return [slope[:3], slope[3:]]
+    def gradient(v: Float[np.ndarray, " 3"], omega: Float[np.ndarray, " 1"]) -> list[Float[np.ndarray, " _"]]:
+        grad = np.asarray(compiled(np.append(v, omega))[1], float)
+        return [grad[:3], grad[3:]]
 
-    @pymanopt.function.numpy(manifold)
-    def hessian(*both: Float[np.ndarray, " k"]) -> list[Float[np.ndarray, " k"]]:
-        turned = np.asarray(bent(np.concatenate(both[:2]), np.concatenate(both[2:])), float)
-        return [turned[:3], turned[3:]]
+    def hessian(*point_and_step: Float[np.ndarray, " _"]) -> list[Float[np.ndarray, " _"]]:
+        z, step = np.concatenate(point_and_step[:2]), np.concatenate(point_and_step[2:])
+        product = np.asarray(hessian_product(z, step), float)
+        return [product[:3], product[3:]]
 
-    problem = pymanopt.Problem(manifold, cost, euclidean_gradient=gradient, euclidean_hessian=hessian)
+    as_numpy = pymanopt.function.numpy(manifold)
+    problem = pymanopt.Problem(
+        manifold, as_numpy(cost), euclidean_gradient=as_numpy(gradient), euclidean_hessian=as_numpy(hessian)
+    )
     options = {"max_iterations": task.max_steps, "min_gradient_norm": task.tol, "verbosity": 0}
     starts = np.asarray(task.starts, float)
 
@@ -141,10 +145,10 @@ def with_pymanopt(task: Task, optimiser: str) -> Lowest:
 
 
 def available(task: Task) -> dict[str, Lowest]:
-    """The solvers of the packages that are installed, by name."""
-    found = {"optimistix BFGS, vmapped": with_optimistix(task), "SciPy BFGS, a loop": with_scipy(task)}
+    """Returns the solvers of the installed packages by name."""
+    solvers = {"optimistix BFGS, vmapped": with_optimistix(task), "SciPy BFGS, a loop": with_scipy(task)}
     if importlib.util.find_spec("pymanopt"):
-        found |= {
+        solvers |= {
             f"pymanopt {name}, a loop": with_pymanopt(task, name) for name in ("ConjugateGradient", "TrustRegions")
         }
-    return found
+    return solvers

@@ -1,7 +1,7 @@
-"""Peak memory of a fresh process that detects.
+"""Peak memory of a detection, in a process of its own.
 
-`peak_memory` starts the process with a file and a method as its arguments. It prints two numbers, both in MiB: after a
-first detection of few points, and after that of the cloud.
+`peak_memory` starts the process with a file and a method as arguments. The process prints its peak memory in MiB twice:
+after a first detection of few points, and after that of the cloud.
 """
 
 import json
@@ -20,27 +20,32 @@ from experiments.framework.project import PROJECT
 from symjax import datasets
 
 FEW = 5000
-"""Points of the first detection: what it takes is the program, not the cloud."""
+"""Points of the first detection, whose memory is that of the program rather than of the cloud."""
 
 LAUNCH = "import subprocess, sys; subprocess.run(sys.argv[1:], check=True)"
-"""Linux counts the memory of the process that started one into its peak: a small one has to do it."""
+"""Program that starts the process: Linux includes the parent's memory in the peak of a child, so it must be small."""
 
 UNIT = 2**20 if sys.platform == "darwin" else 2**10
-"""Of `ru_maxrss`, to MiB."""
+"""Units of `ru_maxrss` in a MiB."""
 
 
 class Peak(NamedTuple):
-    """Peak resident memory in MiB: after the first detection of few points, and after that of the cloud."""
+    """Peak resident memory in MiB.
+
+    Attributes:
+        first: after the first detection of few points.
+        cloud: after the detection of the cloud.
+    """
 
     first: float
     cloud: float
 
 
 def peak_memory(points: Float[np.ndarray, "n 3"], method: str) -> Peak:
-    """What detecting a cloud takes in a process of its own.
+    """Measures the peak memory of the detection of a cloud in a process of its own.
 
     Raises:
-        RuntimeError: the process failed; the message is what it said.
+        RuntimeError: If the process fails; the message has its stderr.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cloud.npy"
@@ -58,7 +63,7 @@ def _peak() -> float:
 
 
 def main(path: str, method: str) -> None:
-    """The process."""
+    """Runs the process."""
     symjax.detect(datasets.generate("quadruped", num_points=FEW, rng=0).points, method, rng=0)
     first = _peak()
     symjax.detect(np.load(path), method, rng=0)

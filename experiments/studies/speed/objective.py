@@ -1,7 +1,7 @@
-"""Value, gradient and Hessian of the objective for a batch of planes, beside the cost of its exponentials alone.
+"""Time of value, gradient and Hessian of the objective for a batch of planes, over the time of its exponentials.
 
-The naive baseline is `symjax.l2e.objective.log_objective`, the residuals as they are written, under value_and_grad and
-vmap. The fast ones are those that the solvers use.
+The naive baseline is `symjax.l2e.objective.log_objective`, which computes the residuals directly, under value_and_grad
+and vmap. The other cases are the functions that the solvers use.
 """
 
 from collections.abc import Callable
@@ -27,13 +27,13 @@ from symjax.l2e.solvers.batched import NUM_SLOTS
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_pairs: pairs.
-        planes: planes of a batch.
-        repeats: rounds.
-        sigma: scale σ.
+        num_pairs: number of pairs.
+        planes: number of planes in a batch.
+        repeats: rounds of timing.
+        sigma: scale σ of the residual.
         seed: seed of pairs and planes.
     """
 
@@ -48,18 +48,19 @@ SIZES = {"full": Config(), "small": Config(planes=32, repeats=3)}
 
 
 def run(config: Config) -> list[Row]:
-    """One row a precision and case."""
+    """Returns one row per precision and case."""
     rows = []
     for dtype in ("float64", "float32"):
         with jax.enable_x64(dtype == "float64"):
             cases = _cases(config, dtype)
             seconds = interleaved(cases, config.repeats)
-            cells = config.num_pairs * config.planes
+            residuals = config.num_pairs * config.planes
             for name, times in seconds.items():
-                row = {"precision": dtype, "case": name, "ns a pair and plane": float(np.median(times)) * 1e9 / cells}
-                over_exp, naive = ratio(times, seconds["exp alone"]), ratio(seconds["naive"], times)
-                row |= dict(zip(("x exp alone", "quartiles of that"), over_exp, strict=True))
-                rows.append(row | dict(zip(("times faster than naive", "quartiles"), naive, strict=True)))
+                nanoseconds = float(np.median(times)) * 1e9 / residuals
+                row = {"precision": dtype, "case": name, "ns per pair and plane": nanoseconds}
+                over_exp, speed_up = ratio(times, seconds["exp alone"]), ratio(seconds["naive"], times)
+                row |= dict(zip(("time / time of exp", "its quartiles"), over_exp, strict=True))
+                rows.append(row | dict(zip(("speed-up over naive", "quartiles"), speed_up, strict=True)))
     return rows
 
 
@@ -79,23 +80,23 @@ def _cases(config: Config, dtype: str) -> dict[str, Callable[[], Any]]:
     )
     fast = jax.jit(jax.vmap(jax.value_and_grad(criterion.value)))
     expand = jax.jit(jax.vmap(criterion.expand))
-    # as the solvers do it: what a few hundred planes take stays in a core's cache
-    both = jax.value_and_grad(criterion.value)
-    by_parts = jax.jit(lambda planes: jax.lax.map(both, planes, batch_size=min(NUM_SLOTS, config.planes)))
+    # as in the solvers: the working set of a few hundred planes stays in the cache of a core
+    value_and_grad = jax.value_and_grad(criterion.value)
+    in_batches = jax.jit(lambda planes: jax.lax.map(value_and_grad, planes, batch_size=min(NUM_SLOTS, config.planes)))
     exp = jax.jit(jnp.exp)
     return {
         "exp alone": lambda: exp(exponents),
         "naive": lambda: naive(planes),
         "value and gradient": lambda: fast(planes),
-        f"value and gradient, {NUM_SLOTS} planes at a time": lambda: by_parts(planes),
+        f"value and gradient, {NUM_SLOTS} planes at a time": lambda: in_batches(planes),
         "value, gradient and Hessian": lambda: expand(planes),
     }
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """The rows with their targets."""
+    """Adds the targets to the rows."""
     targets = {
-        "value and gradient": ("<= 2 x exp, >= 20 x naive"),
+        "value and gradient": "<= 2 x exp, >= 20 x naive",
         "value, gradient and Hessian": "<= 3 x exp",
     }
     return [{**row, "target": targets.get(row["case"], "")} for row in rows]

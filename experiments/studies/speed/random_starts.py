@@ -1,7 +1,7 @@
-"""A sweep of planted pairs from random starts, here or in a process of its own on several devices of the CPU.
+"""A sweep of planted pairs from random starts, in this process or in a separate one with several CPU devices.
 
-The process sweeps once for every line that it reads and prints the seconds that it took. `Devices` starts it, with the
-number of pairs, of scales and of starts as its arguments.
+The separate process, which `SweepProcess` starts, takes the numbers of pairs, scales and starts as arguments. For every
+line that it reads, it sweeps once and prints the time in seconds.
 """
 
 import os
@@ -25,23 +25,26 @@ from symjax.l2e.sweep import sweep
 
 OUTLIERS = 0.8
 
+wait: Callable[[Fit], Fit] = jax.block_until_ready
+"""JAX gives it no types."""
+
 
 def planted(num_pairs: int, seed: int) -> PlantedPairs:
-    """The pairs."""
+    """Returns the planted pairs of the sweep, with 80 % outliers."""
     return planted_pairs(np.random.default_rng(seed), num_pairs, OUTLIERS)
 
 
 def random_starts(
     num_pairs: int, sigmas: Float[np.ndarray, " S"], restarts: int, seed: int, **options: Any
 ) -> Callable[[], Fit]:
-    """A sweep of random starts, ready to run."""
+    """Prepares a sweep from random starts; calling the result runs it."""
     pairs = planted(num_pairs, seed)
     x, y = jnp.asarray(pairs.x), jnp.asarray(pairs.y)
     return partial(sweep, x, y, sigmas, random_points(jax.random.key(seed), restarts), **options)
 
 
-class Devices:
-    """Such a process, started and warm."""
+class SweepProcess:
+    """A process with several CPU devices that sweeps on request; its programs are compiled when it is created."""
 
     def __init__(self, count: int, num_pairs: int, scales: int, restarts: int) -> None:
         command = [sys.executable, "-m", "experiments.studies.speed.random_starts"]
@@ -54,7 +57,7 @@ class Devices:
         self.seconds()  # compiles
 
     def seconds(self) -> float:
-        """Seconds that one sweep takes."""
+        """Runs one sweep and returns its time in seconds."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         print(file=self._process.stdin, flush=True)
@@ -66,13 +69,13 @@ class Devices:
 
 
 def main(num_pairs: int, scales: int, restarts: int) -> None:
-    """The process."""
-    jax.config.update("jax_enable_x64", True)
-    swept = random_starts(num_pairs, np.geomspace(0.2, 0.02, scales), restarts, seed=0)
-    for _ in sys.stdin:
-        start = perf_counter()
-        jax.block_until_ready(swept())
-        print(perf_counter() - start, flush=True)
+    """Runs the separate process."""
+    with jax.enable_x64(True):
+        run = random_starts(num_pairs, np.geomspace(0.2, 0.02, scales), restarts, seed=0)
+        for _ in sys.stdin:
+            start = perf_counter()
+            wait(run())
+            print(perf_counter() - start, flush=True)
 
 
 if __name__ == "__main__":

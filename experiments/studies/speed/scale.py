@@ -1,7 +1,7 @@
-"""Seconds of a warm detection and of its stages as clouds grow, and the peak memory of one with a million points.
+"""Run time of a detection and of its stages as the number of points grows, and peak memory for a million points.
 
-Sizes and methods take turns, so that what else the machine does falls on all of them alike. `growth` has the paper's
-times.
+The sizes and methods take turns, so that other load on the machine affects them equally. The first detection of each
+size and method, which compiles, is not counted. The study `growth` compares with the paper's times.
 """
 
 from collections.abc import Mapping
@@ -27,14 +27,14 @@ MEMORY = ("MiB after first detection", "peak MiB", "more MiB")
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        sizes: points of the clouds that are timed; times of a method are compared with its first.
-        repeats: detections of each, on as many objects, after one that is not counted.
-        memory_points: points of the cloud whose memory is measured; 0 leaves that out.
+        sizes: numbers of points; the time of a method at each size is compared with that at its smallest size.
+        repeats: detections of each size and method, each on another object.
+        memory_points: points of the cloud for which memory is measured; 0 skips the measurement.
         kind: kind of object.
-        methods: methods of `symjax.detect`, separated by commas; memory is that of the first.
+        methods: methods of `symjax.detect`, separated by commas; memory is measured for the first.
     """
 
     sizes: tuple[int, ...] = (5_000, 50_000, 300_000)
@@ -48,19 +48,19 @@ SIZES = {"full": Config(), "small": Config(sizes=(1_500, 6_000), repeats=3, memo
 
 
 def run(config: Config) -> list[Row]:
-    """One row a detection that is timed, then one of memory; columns that do not apply are empty."""
+    """Returns one row per timed detection, then one of memory; columns that do not apply are empty."""
     methods = split_names(config.methods, METHODS)
     rows: list[Row] = []
-    # the first of every size compiles
+    # the first detection of each size compiles
     for repeat in tqdm(range(-1, config.repeats), disable=None):
         for size in config.sizes:
             points = datasets.generate(config.kind, num_points=size, rng=repeat + 1).points
             for method in methods:
                 start = perf_counter()
-                found = symjax.detect(points, method, rng=0)
-                row = {"method": method, "points": size, "used": found.num_used, "repeat": repeat}
+                detection = symjax.detect(points, method, rng=0)
+                row = {"method": method, "points": size, "used": detection.num_used, "repeat": repeat}
                 if repeat >= 0:
-                    rows.append(row | {"seconds": perf_counter() - start} | _stages(found.timings))
+                    rows.append(row | {"seconds": perf_counter() - start} | _stages(detection.timings))
     if config.memory_points:
         points = datasets.generate(config.kind, num_points=config.memory_points, rng=0).points
         row = {"method": methods[0], "points": config.memory_points}
@@ -74,7 +74,7 @@ def _stages(timings: Mapping[str, float]) -> Row:
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a method and size: medians, also of the stages; and one of memory."""
+    """Tabulates the median times of detections and stages by method and size, and the memory."""
     timed = [row for row in rows if row["seconds"] != ""]
     stages = [name for name in rows[0] if name.endswith(", s")]
     lines: list[Row] = []

@@ -1,1 +1,1 @@
-"""The paper's Algorithm 1: end to end, choice by choice, and its Laplacian."""
+"""Studies of Sym-HKS, the paper's Algorithm 1: the effect of each choice, and its Laplacian."""

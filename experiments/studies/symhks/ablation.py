@@ -1,10 +1,10 @@
-"""What every choice of Sym-HKS is worth: the paper's method as one choice at a time is changed from symjax's default.
+"""Effect of each choice of Sym-HKS: the paper's method, with one choice at a time changed from symjax's default.
 
-The paper leaves some open (times, pairs, σ), and symjax departs from it in others. Radius r and neighbours h are each
-varied alone: the other then does not bound the neighbourhood, while in the default both do. A match is right where one
-point lies within 0.05 of the cloud's radius from the other's mirror image. Where the method gives up, 90 degrees count
-and no match is right. Under `out20 dropped` outliers are dropped before the matching; the choice "front end" settles
-that under every condition.
+The paper leaves some choices open (times, pairs, σ), and symjax departs from the paper in others. While the radius r is
+varied, the number of neighbours h does not bound the neighbourhood, and vice versa; by default both do. A pair is
+correct if one point lies within 0.05 of the cloud's radius from the mirror image of the other. If the method fails, 90
+degrees and no correct pairs count. Under the condition `out20 dropped`, outliers are removed before the matching; the
+choice "outlier removal" sets this for all conditions.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,25 +29,25 @@ from symjax.detection.result import Detection
 from symjax.errors import SymjaxError
 
 DROPPED = " dropped"
-"""What is added to the name of a condition under which scattered outliers are left out first."""
+"""Suffix of the names of conditions under which outliers are removed first."""
 
-GAVE_UP = 90.0
-"""Degrees that count where there is no plane."""
+FAILURE_ANGLE = 90.0
+"""Angle, in degrees, that counts if the method fails."""
 
-RIGHT_MATCH = 0.05
-"""Radii of the cloud within which a mirror image meets its partner."""
+MAX_DISTANCE = 0.05
+"""Largest distance of a mirror image from the other point of a correct pair, in radii of the cloud."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is run.
+    """Options of the study.
 
     Attributes:
-        num_points: points of a cloud before it is corrupted.
-        seeds: objects of every kind.
-        kinds: most generated kinds with one plane, counted from the first.
-        conditions: which conditions, separated by commas; "out20 dropped" is "out20", outliers left out first.
-        choices: which choices are varied, separated by commas.
+        num_points: points of a cloud before the corruption.
+        seeds: objects of each kind.
+        kinds: number of kinds with a single mirror plane, from the first.
+        conditions: names of the conditions, separated by commas; "out20 dropped" is "out20" with outliers removed.
+        choices: names of the choices that are varied, separated by commas.
     """
 
     num_points: int = 5000
@@ -61,7 +61,7 @@ SIZES = {"full": Config(), "small": Config(num_points=1500, kinds=1, conditions=
 
 
 def run(config: Config) -> list[Row]:
-    """One row a cloud, choice and value; what several choices have in common, the default, is measured once."""
+    """Returns one row per choice, value and cloud; the default, which all choices share, is measured once."""
     cases = list(generated_cases(config.num_points, config.seeds, kinds_of("single", config.kinds)))
     names = split_names(
         config.conditions, [*corruptions.CONDITIONS, *(name + DROPPED for name in corruptions.CONDITIONS)]
@@ -84,27 +84,27 @@ def _values(choices: Sequence[str]) -> Iterator[tuple[str, str | float, Variant]
 
 
 def _measured(variant: Variant, trials: list[tuple[str, Trial]]) -> list[Row]:
-    """A row a cloud, after one that compiles what the variant needs."""
-    _answer(variant, *trials[0])
+    """One row per cloud, after a call that compiles the programs of the variant."""
+    _detect(variant, *trials[0])
     return [_row(variant, name, trial) for name, trial in trials]
 
 
 def _row(variant: Variant, name: str, trial: Trial) -> Row:
     start = perf_counter()
-    found = _answer(variant, name, trial)
+    detection = _detect(variant, name, trial)
     seconds = perf_counter() - start
     return {
         **trial.about,
         "condition": name,
-        "angle": GAVE_UP if found is None else deviation(found.plane, trial.case).angle,
-        "right_matches": 0.0 if found is None else right_matches(found, trial.case),
-        "gave_up": found is None,
+        "angle": FAILURE_ANGLE if detection is None else deviation(detection.plane, trial.case).angle,
+        "correct_pairs": 0.0 if detection is None else correct_pairs(detection, trial.case),
+        "failed": detection is None,
         "seconds": seconds,
     }
 
 
-def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
-    """The method, or None where it raises one of its own errors."""
+def _detect(variant: Variant, name: str, trial: Trial) -> Detection | None:
+    """The detection by a variant; None if the method raises a `SymjaxError`."""
     dropped = name.endswith(DROPPED) if variant.drop_outliers is None else variant.drop_outliers
     try:
         return Entry("", variant.method, dropped).detect(trial.points, np.random.default_rng(0))
@@ -112,26 +112,27 @@ def _answer(variant: Variant, name: str, trial: Trial) -> Detection | None:
         return None
 
 
-def right_matches(found: Detection, case: Case) -> float:
-    """Share of the pairs that some right plane mirrors onto each other."""
+def correct_pairs(detection: Detection, case: Case) -> float:
+    """Computes the share of the pairs that are mirror pairs of a true plane."""
     radius = float(np.linalg.norm(case.points - case.points.mean(axis=0), axis=1).max())
-    misses = [np.linalg.norm(plane.reflect(found.pairs.x) - found.pairs.y, axis=1) for plane in case.planes]
-    return float(np.mean(np.min(misses, axis=0) < RIGHT_MATCH * radius))
+    x, y = detection.pairs.x, detection.pairs.y
+    distances = [np.linalg.norm(plane.reflect(x) - y, axis=1) for plane in case.planes]
+    return float(np.mean(np.min(distances, axis=0) < MAX_DISTANCE * radius))
 
 
 def summary(rows: list[Row]) -> list[Row]:
-    """A line a value of a choice: hit rate, median angle and share of right matches by condition."""
+    """Tabulates hit rate, median angle and share of correct pairs by condition, one line per value of a choice."""
     return [_line(group) for group in grouped(rows, "choice", "value").values()]
 
 
 def _line(rows: list[Row]) -> Row:
     first = rows[0]
     line: Row = {"choice": first["choice"], "value": first["value"], "default": "*" if first["default"] else ""}
-    for condition, of in grouped(rows, "condition").items():
-        line[f"{condition}: within 5 deg"] = _hit_rate(of)
-        line[f"{condition}: median deg"] = float(np.median([row["angle"] for row in of]))
-        line[f"{condition}: right matches"] = float(np.mean([row["right_matches"] for row in of]))
-    line |= {"within 5 deg": _hit_rate(rows), "gave up": sum(row["gave_up"] for row in rows)}
+    for condition, group in grouped(rows, "condition").items():
+        line[f"{condition}: within 5 deg"] = _hit_rate(group)
+        line[f"{condition}: median deg"] = float(np.median([row["angle"] for row in group]))
+        line[f"{condition}: correct pairs"] = float(np.mean([row["correct_pairs"] for row in group]))
+    line |= {"within 5 deg": _hit_rate(rows), "failed": sum(row["failed"] for row in rows)}
     return line | {"median s": float(np.median([row["seconds"] for row in rows])), "clouds": len(rows)}
 
 
@@ -140,7 +141,7 @@ def _hit_rate(rows: list[Row]) -> float:
 
 
 def draw(config: Config, rows: list[Row], path: Path) -> None:
-    """Hit rate against every choice that is a number, a line a condition; the default is dotted."""
+    """Draws the hit rate over every numeric choice, one line per condition; the default is dotted."""
     numeric = {
         choice: [value for value in CHOICES[choice] if not isinstance(value, str)]
         for choice in dict.fromkeys(row["choice"] for row in rows)
@@ -150,13 +151,13 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
         return
     columns = min(4, len(numeric))
     lines = -(-len(numeric) // columns)
-    drawn = figures.new(3.4 * columns, 2.8 * lines)
-    axes = drawn.subplots(lines, columns, sharey=True, squeeze=False)
+    figure = figures.new(3.4 * columns, 2.8 * lines)
+    axes = figure.subplots(lines, columns, sharey=True, squeeze=False)
     for ax in axes.flat[len(numeric) :]:
         ax.set_axis_off()
     for ax, (choice, values) in zip(axes.flat, numeric.items(), strict=False):
-        for condition, of in grouped(grouped(rows, "choice")[choice], "condition").items():
-            by_value = grouped(of, "value")
+        for condition, group in grouped(grouped(rows, "choice")[choice], "condition").items():
+            by_value = grouped(group, "value")
             ax.plot(values, [_hit_rate(by_value[v]) for v in values], marker="o", markersize=3, label=condition)
         for value in values:
             if CHOICES[choice][value] == DEFAULT:
@@ -167,7 +168,7 @@ def draw(config: Config, rows: list[Row], path: Path) -> None:
     for ax in axes[:, 0]:
         ax.set_ylabel("within 5°")
     axes[0, 0].legend(fontsize=7, loc="lower right")
-    figures.save(drawn, path)
+    figures.save(figure, path)
 
 
 STUDY = Study("sym_hks_ablation", __doc__, SIZES, run, summary, draw=draw, data=GENERATED_SINGLE)

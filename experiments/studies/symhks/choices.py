@@ -1,19 +1,19 @@
-"""The choices of Sym-HKS, and what is put in their place."""
+"""The choices of Sym-HKS and their alternatives."""
 
 from typing import Any, NamedTuple
 
 from symjax import SymHKS
 
 WIDEST = 0.5
-"""Radius, in diagonals, that bounds no number of neighbours."""
+"""Radius in diagonals that is too large to limit the number of neighbours."""
 
 
 class Variant(NamedTuple):
-    """Sym-HKS with something changed.
+    """Sym-HKS with changed options.
 
     Attributes:
         method: the method.
-        drop_outliers: whether scattered outliers are left out first; None leaves it to the condition.
+        drop_outliers: whether outliers are removed first; None means that the condition decides.
     """
 
     method: SymHKS = SymHKS()
@@ -40,9 +40,13 @@ CHOICES: dict[str, dict[str | float, Variant]] = {
     "pairs per keypoint": {share: _changed(pairs_per_keypoint=share) for share in (0.1, 0.25, 0.4)},
     "signs (0: off)": {s: _changed(num_signs=s) for s in (0, 4, 8, 12, 19)},
     "separation in spacings (0: paper)": {s: _changed(separation=s) for s in (0.0, 1.0, 1.9, 3.0)},
-    "Laplacian": {"own stars": _changed(laplacian="stars"), "library's": _changed(laplacian="library")},
+    "Laplacian": {"stars": _changed(laplacian="stars"), "library": _changed(laplacian="library")},
     "neighbours of a star": {h: _changed(star_neighbours=h) for h in (10, 20, 30, 50)},
-    "front end": {"by condition": DEFAULT, "off": Variant(drop_outliers=False), "on": Variant(drop_outliers=True)},
+    "outlier removal": {
+        "by condition": DEFAULT,
+        "off": Variant(drop_outliers=False),
+        "on": Variant(drop_outliers=True),
+    },
     "start": {
         "64": DEFAULT,
         "Grassmann average (paper)": _changed(starts="rga"),
@@ -57,4 +61,5 @@ CHOICES: dict[str, dict[str | float, Variant]] = {
     "sigma in spacings": {factor: _changed(sigma_spacings=factor) for factor in (0.35, 0.7, 1.4, 2.8, 5.6)},
     "all together": {"default": DEFAULT, "as printed": Variant(SymHKS.as_printed())},
 }
-"""By choice and value; a value that is the default's own gives the default. Numbers are drawn, names are not."""
+"""Variants by choice and value; a value equal to the default's gives `DEFAULT`. The figure has the numeric values only.
+"""

@@ -56,7 +56,7 @@ def test_planes_of_clean_clouds_are_right(method, least):
     cases = [generate_case(kind, 1500, 0) for kind in KINDS]
     found = [deviation(METHODS[method].rank(case.points, np.random.default_rng(0)).plane(), case) for case in cases]
     assert np.mean([off.angle < 5 for off in found]) >= least
-    assert np.mean([off.right for off in found]) >= least
+    assert np.mean([off.correct for off in found]) >= least
 
 
 @pytest.mark.parametrize(("method", "degrees"), [("kazhdan's grid", 3.0), ("kazhdan", 0.5), ("cicconet", 1e-5)])

@@ -79,7 +79,7 @@ def deviations(method, cases):
 def assert_mostly_right(method, cases):
     found = deviations(method, cases)
     assert np.mean([off.angle < 5 for off in found]) >= 0.9
-    assert np.mean([off.right for off in found]) >= 0.9
+    assert np.mean([off.correct for off in found]) >= 0.9
 
 
 def test_principal_planes_are_right_on_clean_clouds():

@@ -1,4 +1,4 @@
-"""One method on one corrupted cloud."""
+"""The task of the comparison: one method on one corrupted cloud."""
 
 import json
 
@@ -15,7 +15,7 @@ from experiments.comparison import evaluate
 from experiments.data import procedural
 
 
-def test_a_row_is_json_and_depends_on_nothing_but_the_task():
+def test_a_row_is_json_and_depends_on_the_task_only():
     arguments = ("cicconet", "procedural", 1, procedural.kind(1), "out40", 0, 300)
     first, second = evaluate.evaluate(*arguments), evaluate.evaluate(*arguments)
     assert first.pop("seconds") > 0
@@ -25,17 +25,17 @@ def test_a_row_is_json_and_depends_on_nothing_but_the_task():
     assert first["funk_paper"][-1] == (first["angle"] < 45)
 
 
-def test_a_method_that_raises_has_given_no_answer(monkeypatch):
+def test_an_exception_counts_as_no_answer(monkeypatch):
     class Failing(PCA):
         def rank(self, points, rng):
             raise ValueError("no plane")
 
     monkeypatch.setitem(ENTRIES, "pca", registry.baseline_entry("PCA", Failing()))
-    said = evaluate.evaluate("pca", "procedural", 0, procedural.kind(0), "clean", 0, 200)
-    assert (said["angle"], said["planes"], said["raised"]) == (90.0, [], "ValueError('no plane')")
-    assert len(said["truths"]) >= 1
+    row = evaluate.evaluate("pca", "procedural", 0, procedural.kind(0), "clean", 0, 200)
+    assert (row["angle"], row["planes"], row["raised"]) == (90.0, [], "ValueError('no plane')")
+    assert len(row["truths"]) >= 1
 
 
-def test_another_object_in_the_place_of_one_is_refused():
-    with pytest.raises(ValueError, match="is 'sofa' and not 'chair'"):
+def test_an_object_with_an_unexpected_name_is_refused():
+    with pytest.raises(ValueError, match="is 'sofa', not 'chair'"):
         evaluate.evaluate("pca", "procedural", 1, "chair", "clean", 0, 200)

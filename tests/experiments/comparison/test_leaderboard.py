@@ -1,4 +1,4 @@
-"""Figures, table and curves of known rows."""
+"""Measures, table and curves of made-up rows."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from experiments.data.cases import generate_case
 from experiments.metrics import score_curve
 from experiments.metrics.prediction import Prediction
 from symjax.geometry.plane import Plane
-from tests.experiments.comparison.rows import row, silent
+from tests.experiments.comparison.rows import row, unanswered
 
 
 @pytest.fixture(scope="module")
@@ -24,59 +24,59 @@ def boat():
     return generate_case("boat", 700, 3)
 
 
-def test_a_row_scores_as_the_case_that_it_is_of(boat):
+def test_a_row_scores_like_the_case_it_was_made_from(boat):
     ranking = Kazhdan().rank(boat.points, np.random.default_rng(0))
-    told = row(
+    from_case = row(
         planes=np.column_stack(ranking).tolist(),
         truths=[[*p.normal.tolist(), float(p.offset)] for p in boat.planes],
         centre=boat.points.mean(axis=0).tolist(),
         diagonal=boat.diagonal,
     )
-    for ours, theirs in zip(
-        score_curve.curve([prediction(told)]), score_curve.curve([Prediction(ranking, boat)]), strict=True
+    for actual, expected in zip(
+        score_curve.curve([prediction(from_case)]), score_curve.curve([Prediction(ranking, boat)]), strict=True
     ):
-        np.testing.assert_array_equal(ours, theirs)
+        np.testing.assert_array_equal(actual, expected)
 
 
-def test_figures_of_known_rows():
-    rows = [row(item=0, angle=1.0), row(item=1, angle=4.0, offset=0.03), row(item=2, angle=30.0), silent(item=3)]
-    said = measures_of(rows)
-    assert (said["objects"], said["answered"], said["found"]) == (4, 3, 3)
-    assert said["hit rate"] == 0.25
-    assert [said[f"hit rate {degrees}"] for degrees in (1, 2, 10, 45)] == [0.0, 0.25, 0.25, 0.5]
-    assert said["F paper"] == pytest.approx(2 * 2 / (3 + 4))
-    assert said["median angle"] == pytest.approx((4 + 30) / 2)
-    assert said["area"] == pytest.approx((44 / 45 + 15 / 45) / 4)
-    assert (said["GTE"], said["GTE squared"], said["SDE"]) == pytest.approx((2.0, 0.04, 3.0))
-    assert said["seconds"] == 2.0
+def test_measures_of_known_rows():
+    rows = [row(item=0, angle=1.0), row(item=1, angle=4.0, offset=0.03), row(item=2, angle=30.0), unanswered(item=3)]
+    line = measures_of(rows)
+    assert (line["objects"], line["answered"], line["found"]) == (4, 3, 3)
+    assert line["hit rate"] == 0.25
+    assert [line[f"hit rate {degrees}"] for degrees in (1, 2, 10, 45)] == [0.0, 0.25, 0.25, 0.5]
+    assert line["F paper"] == pytest.approx(2 * 2 / (3 + 4))
+    assert line["median angle"] == pytest.approx((4 + 30) / 2)
+    assert line["area"] == pytest.approx((44 / 45 + 15 / 45) / 4)
+    assert (line["GTE"], line["GTE squared"], line["SDE"]) == pytest.approx((2.0, 0.04, 3.0))
+    assert line["seconds"] == 2.0
 
 
-def test_planes_that_are_not_held_do_not_count_as_false():
+def test_rejected_planes_are_not_false_positives():
     two = [[1.0, 0.0, 0.0, 0.0, 0.9], [0.0, 1.0, 0.0, 0.0, 0.5]]
-    both, first = row(planes=two, held=[True, True]), row(planes=two, held=[True, False])
+    both, first = row(planes=two, accepted=[True, True]), row(planes=two, accepted=[True, False])
     assert tallies([both], "funk")[-1].precision == 0.5
     assert tallies([first], "funk")[-1].precision == 1.0
-    # a threshold on the score leaves the second out as well
+    # a threshold on the score excludes the second plane too
     assert best_f([both]) == 1.0
-    assert best_f([silent()]) == 0.0
+    assert best_f([unanswered()]) == 0.0
     other = row(item=1, planes=[[1.0, 0.0, 0.0, 0.0, 0.4]])
-    # 0.5 of the false one is more than 0.4 of the right one
+    # the wrong plane scores 0.5, which is more than the 0.4 of the correct one
     assert best_f([both, other]) == pytest.approx(0.8)
     assert best_f([both, other], 1) == 1.0
 
 
-def test_published_measures_are_of_the_planes_that_are_held():
+def test_measures_of_other_publications_use_the_accepted_planes():
     true, wrong = [1.0, 0.0, 0.0, 0.0, 0.5], [0.0, 1.0, 0.0, 0.0, 0.9]
     truths = [true[:4], [0.0, 0.0, 1.0, 0.0]]
-    one = measures_of([row(planes=[wrong, true], held=[False, True], truths=truths)])
+    one = measures_of([row(planes=[wrong, true], accepted=[False, True], truths=truths)])
     assert (one["PHC"], one["mAP"], one["mAP of truths"]) == (1.0, 1.0, 0.5)
     assert one["F coarse"] == pytest.approx(2 / 3)
     # at a threshold of 0 nothing matches
     assert one["F E3Sym"] == pytest.approx(2 / 3 * 200 / 201)
-    both = measures_of([row(planes=[wrong, true], held=[True, True], truths=truths)])
+    both = measures_of([row(planes=[wrong, true], accepted=[True, True], truths=truths)])
     assert (both["PHC"], both["mAP"], both["mAP of truths"]) == (0.0, 0.5, 0.25)
-    nothing = measures_of([silent()])
-    assert [nothing[name] for name in TRACKS] == [0.0] * len(TRACKS)
+    neither = measures_of([unanswered()])
+    assert [neither[name] for name in TRACKS] == [0.0] * len(TRACKS)
 
 
 def test_the_table_has_methods_by_conditions():
@@ -92,7 +92,7 @@ def test_the_table_has_methods_by_conditions():
     ]
 
 
-def test_the_papers_curve_is_a_diagonal_and_the_score_tells_right_from_wrong():
+def test_the_papers_curve_is_the_diagonal_and_the_curve_over_the_score_is_not():
     rows = [row(item=k, angle=angle) for k, angle in enumerate((1.0, 7.0, 30.0))]
     rows[2]["planes"][0][4] = rows[1]["planes"][0][4] = 0.1
     points = precision_recall(rows)
@@ -105,9 +105,9 @@ def test_the_papers_curve_is_a_diagonal_and_the_score_tells_right_from_wrong():
     ]
 
 
-def test_what_is_printed_stands_beside_what_is_measured():
-    lines = published.lines(published.both(), ["clean", "out100", "noise1"])
-    assert lines[0]["method"] == "the paper, printed"
+def test_published_numbers_have_the_conditions_of_the_table():
+    lines = published.lines(published.outliers_and_missing(), ["clean", "out100", "noise1"])
+    assert lines[0]["method"] == "the paper, published"
     assert (lines[0]["clean"], lines[0]["out100"], lines[0]["noise1"]) == (0.95, 0.89, "")
     assert "Funk 2017" in lines[0]["data"]
     assert published.lines(published.PARTIAL, ["clean"]) == []

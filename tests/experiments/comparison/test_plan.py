@@ -1,4 +1,4 @@
-"""All tasks, and a run that goes on where it was."""
+"""The tasks of the comparison, and runs that continue from earlier results."""
 
 import dataclasses
 import json
@@ -25,7 +25,7 @@ TINY = [
 ]
 
 
-def test_the_sweeps_add_conditions_and_leave_the_others_alone():
+def test_the_sweeps_add_conditions_and_keep_the_others():
     assert ",".join(corruptions.CONDITIONS) == corruptions.CONDITION_NAMES
     assert set(TARGETS) == set(corruptions.CONDITIONS)
     every = plan.ALL.split(",")
@@ -34,7 +34,7 @@ def test_the_sweeps_add_conditions_and_leave_the_others_alone():
     assert list(shares(every, "missing").values()) == pytest.approx([0, 15, 20, 28, 40])
 
 
-def test_what_a_limit_ended_is_a_miss_on_the_object_of_the_others():
+def test_a_task_over_its_limit_is_a_miss_and_takes_its_object_from_another_method():
     task = {
         name: row()[name] for name in ("method", "benchmark", "item", "name", "condition", "seed", "num_points", "data")
     }
@@ -51,14 +51,14 @@ def test_what_a_limit_ended_is_a_miss_on_the_object_of_the_others():
 
 
 def stripped(path):
-    """The lines of a file of results in any order, timings and machine aside."""
+    """Returns the sorted lines of a file of results, without the timings."""
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     for line in lines:
         del line["seconds"], line["row"]["seconds"]
     return sorted(json.dumps(line, sort_keys=True) for line in lines)
 
 
-def test_the_command_goes_on_where_it_was_and_the_other_studies_from_there(tmp_path, capsys):
+def test_a_killed_run_and_the_other_studies_continue_from_the_file_of_results(tmp_path, capsys):
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     undrawn = dataclasses.replace(arena.STUDY, draw=None)
     assert run_study(undrawn, [*TINY, "--objects", "2", "--out", str(whole)]) == 0
@@ -77,7 +77,7 @@ def test_the_command_goes_on_where_it_was_and_the_other_studies_from_there(tmp_p
         plan.outcomes.cache_clear()
         assert run_study(study, [*TINY, "--objects", "2", "--out", str(broken)]) == 0
         assert results.read_bytes() == done
-        assert "the paper, printed" in (broken / f"{study.name}.md").read_text()
+        assert "the paper, published" in (broken / f"{study.name}.md").read_text()
         assert (broken / f"{study.name}.pdf").read_bytes().startswith(b"%PDF")
     text = (broken / "arena.md").read_text()
     assert "procedural-1354 (2 objects)" in text

@@ -1,4 +1,4 @@
-"""Answers to a cube, whose scores are known by hand."""
+"""Predicted planes of a cube whose scores can be computed by hand."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ BOX = Mesh(CUBE, np.array([f[:1] + f[i : i + 2] for f in FACES for i in (1, 2)])
 
 
 def tilted(degrees, offset=0.0):
-    """A plane whose normal is so far from x."""
+    """Returns a plane whose normal is at an angle, in degrees, from the x axis."""
     angle = np.radians(degrees)
     return Plane(np.array([np.cos(angle), np.sin(angle), 0.0]), np.asarray(offset))
 
@@ -27,7 +27,7 @@ def ranking(*planes):
 
 
 def cube(*truths, name="cube"):
-    """The corners of a cube about the origin, and those of its planes that count as right."""
+    """Returns the corners of a cube about the origin as a case, with the given true planes."""
     return Case(name, "test", CUBE, truths or (tilted(0.0),), np.sqrt(3.0))
 
 
@@ -36,7 +36,7 @@ def prediction(answers, truths=()):
 
 
 def moved(one, rng):
-    """The same answer to the same object elsewhere, in other units."""
+    """Returns the same prediction in another pose and in other units."""
     turn, shift, scale = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.normal(size=3), 7.0
     normals = one.ranking.normals @ turn.T
     posed = Ranking(normals, scale * one.ranking.offsets + normals @ shift, one.ranking.scores)

@@ -1,4 +1,4 @@
-"""Precision and recall at Funk's thresholds, and over scores."""
+"""Precision and recall at Funk's thresholds, and over the scores."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from experiments.metrics.matching import Tally
 from tests.experiments.metrics.cubes import prediction, tilted
 
 
-def test_funk_counts_several_planes_one_to_one():
+def test_funk_matches_several_planes_one_to_one():
     truths = (tilted(0.0), tilted(90.0))
     shapes = [funk.compared(prediction([tilted(1.0), tilted(2.0), tilted(91.0)], truths))]
     assert funk.tally(shapes, 5.0, 0.5) == Tally(2, 3, 2)
@@ -16,22 +16,22 @@ def test_funk_counts_several_planes_one_to_one():
     assert funk.tally(shapes, 0.5, 0.5) == Tally(0, 3, 2)
 
 
-def test_funk_distance_is_in_shorter_sides():
+def test_the_distance_is_in_units_of_the_shorter_side():
     shapes = [funk.compared(prediction([tilted(0.0, 0.3)]))]
     assert funk.tally(shapes, 5.0, 0.31) == Tally(1, 1, 1)
     assert funk.tally(shapes, 5.0, 0.29) == Tally(0, 1, 1)
 
 
-def test_funk_takes_rectangles_of_a_file():
+def test_published_rectangles_of_the_true_planes_are_used():
     corners = np.array([[[0, -0.2, -0.2], [0, -0.2, 0.2], [0, 0.2, -0.2]]])
     shape = funk.compared(prediction([tilted(0.0, 0.3)]), patch.from_corners(corners))
     assert funk.tally([shape], 5.0, 0.76).hits == 1
     assert funk.tally([shape], 5.0, 0.74).hits == 0
 
 
-def test_funk_as_in_the_paper_is_the_share_within_the_angle_and_its_distance_never_fails(rng):
+def test_the_papers_protocol_gives_the_share_within_the_angle_at_any_distance(rng):
     angles = rng.uniform(0, 60, 40)
-    # far from the cloud, with more answers and truths than one: neither is seen
+    # the offset of 5 and the second predicted plane must not matter
     all_answered = [prediction([tilted(a, 5.0), tilted(0.0)], (tilted(0.0), tilted(90.0))) for a in angles]
     shapes = [funk.as_in_the_paper(one) for one in all_answered]
     nearest = np.minimum(angles, 90 - angles)
@@ -41,14 +41,14 @@ def test_funk_as_in_the_paper_is_the_share_within_the_angle_and_its_distance_nev
     assert funk.tally([funk.as_in_the_paper(prediction([]))], 5.0, 1.0) == Tally(0, 0, 1)
 
 
-def test_the_curve_of_funk_rises_from_nothing_to_all():
+def test_the_curve_rises_from_no_match_to_all():
     shapes = [funk.compared(prediction([tilted(a)])) for a in (0.0, 3.0, 12.0)]
     curve = funk.curve(shapes)
     assert [tally.hits for tally in curve] == sorted(tally.hits for tally in curve)
     assert (curve[0].f, curve[-1].f) == (0.0, 1.0)
 
 
-def test_the_curve_over_scores_counts_ties_together():
+def test_the_curve_over_the_scores_counts_ties_together():
     good, bad = prediction([tilted(0.0)]), prediction([tilted(30.0)])
     curve = score_curve.curve([good, bad, prediction([])])
     assert (curve.scores.tolist(), curve.precision.tolist()) == ([1.0], [0.5])

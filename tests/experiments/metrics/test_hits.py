@@ -1,4 +1,4 @@
-"""Hit rates and the area under them."""
+"""Hit rates and the area under their curve."""
 
 import numpy as np
 import pytest
@@ -17,18 +17,18 @@ def test_hit_rates_and_area_of_known_angles():
     assert hits.area(deviations) == pytest.approx(1 - 45 / (45 * 6) - 1 / 6, abs=1e-12)
 
 
-def test_perfect_answers_hit_at_all_angles_and_have_area_one():
+def test_exact_planes_hit_at_all_angles_and_have_area_one():
     assert set(hits.hit_rates([Deviation(0.0, 0.0)] * 3).values()) == {1.0}
     assert hits.area([Deviation(0.0, 0.0)] * 3) == 1.0
 
 
 @pytest.mark.parametrize("miss", [Deviation(0.0, 0.02), Deviation(90.0, 1.0), Deviation(np.nan, np.nan)])
-def test_an_offset_that_is_too_large_or_no_answer_is_a_miss(miss):
+def test_too_large_an_offset_error_or_no_plane_is_a_miss(miss):
     assert set(hits.hit_rates([miss, Deviation(0.0, 0.019)]).values()) == {0.5}
     assert hits.area([miss, Deviation(0.0, 0.019)]) == 0.5
 
 
-def test_rates_of_nothing_are_refused():
+def test_empty_lists_are_refused():
     with pytest.raises(InvalidArgumentError, match="at least one"):
         hits.area([])
     with pytest.raises(InvalidArgumentError, match="at least one"):

@@ -1,4 +1,4 @@
-"""Rectangles of planes."""
+"""Bounded rectangles of planes."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ from experiments.metrics import patch
 from tests.experiments.metrics.cubes import AXES, CUBE
 
 
-def test_corners_of_a_file_give_the_middle_of_the_rectangle():
-    # a plane of the organisers' table: x = 0, first corner next to both others
+def test_corners_of_a_file_give_the_centre_of_the_rectangle():
+    # a plane of the organisers' table: x = 0, and the first corner is adjacent to both others
     corners = np.array([[[0, -3.61376, -1.39425], [0, -3.61376, 1.39425], [0, 3.61376, -1.39425]]])
     rectangle = patch.from_corners(corners)
     assert np.abs(rectangle.normals) == pytest.approx(AXES[:1])

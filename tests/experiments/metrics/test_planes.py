@@ -1,4 +1,4 @@
-"""Scores of planes as 4-vectors: GTE, E3Sym and SHREC."""
+"""GTE, the F-score of E3Sym, and the scores of SHREC 2023."""
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ from symjax.geometry.plane import Plane
 from tests.experiments.metrics.cubes import AXES, moved, prediction, ranking, tilted
 
 
-def test_gte_is_squared_and_not_and_blind_to_signs():
+def test_gte_is_given_with_and_without_square_and_ignores_the_sign_of_the_normal():
     one = prediction([Plane(-tilted(4.0).normal, np.asarray(-0.05))], (tilted(0.0), tilted(90.0)))
     chord = (2 * np.sin(np.radians(2.0))) ** 2
     assert gte(one).squared == pytest.approx(chord + 0.05**2 / 3, rel=1e-12)
     assert gte(one).plain ** 2 == pytest.approx(gte(one).squared)
-    with pytest.raises(InvalidArgumentError, match="an answer and a truth"):
+    with pytest.raises(InvalidArgumentError, match="there are 0 and 1"):
         gte(prediction([]))
 
 
@@ -40,7 +40,7 @@ def test_e3sym_matches_one_to_one_and_pools():
     assert e3sym.f_score([]) == 0.0
 
 
-def test_shrec_asks_for_one_degree_and_one_percent():
+def test_shrec_requires_one_degree_and_one_percent():
     assert shrec.hits(prediction([tilted(0.99)])).tolist() == [True]
     assert shrec.hits(prediction([tilted(1.01)])).tolist() == [False]
     assert shrec.hits(prediction([tilted(0.0, 0.0099 * np.sqrt(3))])).tolist() == [True]
@@ -49,7 +49,8 @@ def test_shrec_asks_for_one_degree_and_one_percent():
 
 def test_shrec_scores_by_hand():
     truths = (tilted(0.0), tilted(90.0))
-    late = prediction([tilted(45.0), tilted(0.0), tilted(0.1)], truths)  # a miss, a hit, and the same truth again
+    # a miss, a hit, and the same true plane again
+    late = prediction([tilted(45.0), tilted(0.0), tilted(0.1)], truths)
     assert shrec.hits(late).tolist() == [False, True, False]
     found = shrec.scores([late, prediction([tilted(0.0), tilted(90.0)], truths), prediction([], truths)])
     assert found == pytest.approx((1 / 3, (0.5 + 1 + 0) / 3, (0.25 + 1 + 0) / 3))
@@ -65,7 +66,7 @@ def test_scores_do_not_depend_on_pose_and_units(rng):
     assert funk.tally([funk.as_in_the_paper(other)], 3.0, 0.1).f == 1.0
 
 
-def test_the_true_plane_of_a_generated_object_scores_full_marks():
+def test_the_true_plane_of_a_generated_object_has_perfect_scores():
     case = generate_case("chair", 300, 0)
     one = Prediction(ranking(*case.planes), case)
     assert hits.area([deviation(one.ranking.plane(), case)]) > 1 - 1e-9

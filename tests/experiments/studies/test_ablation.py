@@ -1,4 +1,4 @@
-"""Ablation of the robust method: one option a stage, and rows of right answers."""
+"""Ablation of the robust method: one option per stage, and shares of correct answers."""
 
 from dataclasses import fields, replace
 
@@ -9,7 +9,7 @@ from symjax.robust.method import Robust
 
 
 @pytest.mark.parametrize("stage", ablation.STAGES)
-def test_every_stage_is_removed_by_an_option_that_the_whole_method_does_not_have(stage):
+def test_every_stage_is_removed_by_one_option_that_differs_from_the_default(stage):
     method, whole = ablation.without(stage).method, Robust()
     changed = [field.name for field in fields(Robust) if getattr(method, field.name) != getattr(whole, field.name)]
     assert changed == list(ablation.STAGES[stage])
@@ -32,11 +32,11 @@ def test_every_stage_has_a_row_for_every_cloud():
     rows = ablation.run(config)
     assert [row["without"] for row in rows] == ["nothing"] * 2 + ["refinement"] * 2
     assert [row["model"] for row in rows[:2]] == [row["model"] for row in rows[2:]]
-    assert all(0 <= row["angle"] <= 90 and isinstance(row["right"], bool) for row in rows)
+    assert all(0 <= row["angle"] <= 90 and isinstance(row["correct"], bool) for row in rows)
 
 
-def row_of(stage, condition, right, right_plane):
-    return {"without": stage, "condition": condition, "right": right, "right plane": right_plane}
+def row_of(stage, condition, correct, correct_plane):
+    return {"without": stage, "condition": condition, "correct": correct, "correct plane": correct_plane}
 
 
 def test_the_summary_has_shares_by_stage_and_condition():
@@ -44,9 +44,9 @@ def test_the_summary_has_shares_by_stage_and_condition():
     rows += [row_of("refinement", "both", False, False), row_of("refinement", "view", False, True)]
     lines = ablation.summary(rows)
     assert [(line["without"], line["share of"], line["all"]) for line in lines] == [
-        ("nothing", "right answers", 0.5),
-        ("refinement", "right answers", 0.0),
-        ("nothing", "right planes", 1.0),
-        ("refinement", "right planes", 0.5),
+        ("nothing", "correct answers", 0.5),
+        ("refinement", "correct answers", 0.0),
+        ("nothing", "correct planes", 1.0),
+        ("refinement", "correct planes", 0.5),
     ]
     assert [line["view"] for line in lines] == [0, 0, 1, 1]

@@ -1,4 +1,4 @@
-"""Every study runs at its smallest size and leaves rows, provenance and, where it has one, a picture."""
+"""Every study runs at its smallest size and writes rows, provenance and, if it has one, a figure."""
 
 import csv
 import dataclasses
@@ -54,7 +54,7 @@ TINY = {
     ],
 }
 SLOW = ("gradient", "planted", "self_scale", "speed_fit", "speed_objective", "speed_sweep", "success")
-"""Their fits compile for half a minute each."""
+"""Studies whose fits compile for half a minute each."""
 
 DRAWN = (
     *("arena", "articulated", "completion", "deviation", "growth", "landscape", "missing"),
@@ -67,13 +67,13 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-def test_every_study_is_run_here():
+def test_every_study_has_tiny_options():
     assert set(TINY) == set(STUDIES)
     assert {name for name in STUDIES if load(name).draw} == set(DRAWN)
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in TINY])
-def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
+def test_a_study_runs_and_writes_rows_and_provenance(name, tmp_path, capsys):
     assert run_study(load(name), ["--size", "small", "--out", str(tmp_path), *TINY[name]]) == 0
     assert len(rows_of(tmp_path / f"{name}.csv")) >= 1
     about = json.loads((tmp_path / f"{name}.json").read_text())
@@ -85,7 +85,7 @@ def test_a_study_runs_and_says_where_its_rows_come_from(name, tmp_path, capsys):
     assert f"{name} (small)" in capsys.readouterr().out
 
 
-def test_the_estimator_withstands_what_the_baseline_does_not():
+def test_l2e_tolerates_outliers_beside_the_object_and_l2_does_not():
     config = dataclasses.replace(deviation.SIZES["small"], shares=(0.65,), blobs=("isotropic",))
     rows = deviation.run(config)
     median = {
@@ -96,7 +96,7 @@ def test_the_estimator_withstands_what_the_baseline_does_not():
     assert median["L2"] > 5 * median["L2E, 64 starts"]
 
 
-def test_absent_data_is_said_loudly(capsys):
+def test_a_missing_data_folder_gives_a_message(capsys):
     assert list(cases.real_cases(Path("absent"), 100, 1)) == []
     assert "ABSENT" in capsys.readouterr().err
 
@@ -105,6 +105,6 @@ def test_real_models_are_posed_with_their_planes(models):
     for case in cases.real_cases(models.parent, 400, 1):
         for plane in case.planes:
             assert np.linalg.norm(plane.normal) == pytest.approx(1.0, abs=1e-6)
-            # a mirror plane passes through the middle of its object
-            middle = case.points.mean(axis=0)
-            assert abs(plane.signed_distance(middle[None])[0]) < 0.1 * case.diagonal
+            # a mirror plane passes near the mean of the points
+            centre = case.points.mean(axis=0)
+            assert abs(plane.signed_distance(centre[None])[0]) < 0.1 * case.diagonal

@@ -1,4 +1,4 @@
-"""The choices of Sym-HKS: every one has the default among its values, and changes the answer."""
+"""The choices of Sym-HKS: the default is among the values of each choice, and the others change the result."""
 
 import numpy as np
 import pytest
@@ -17,37 +17,37 @@ def trial():
 
 
 @pytest.mark.parametrize("choice", CHOICES)
-def test_every_choice_has_the_default_once(choice):
+def test_every_choice_contains_the_default_once(choice):
     assert list(CHOICES[choice].values()).count(DEFAULT) == 1
     assert len(set(CHOICES[choice].values())) == len(CHOICES[choice])
 
 
-def test_the_command_takes_all_choices_by_default():
+def test_all_choices_are_varied_by_default():
     assert split_names(ablation.Config().choices, CHOICES) == list(CHOICES)
 
 
-def test_numbers_rise_so_that_they_can_be_drawn():
+def test_numeric_values_are_ascending():
     for values in CHOICES.values():
         numbers = [value for value in values if not isinstance(value, str)]
         assert numbers == sorted(numbers)
 
 
-def test_a_changed_part_changes_the_answer(trial):
-    default = ablation._answer(DEFAULT, "clean", trial)
-    again = ablation._answer(DEFAULT, "clean", trial)
+def test_a_changed_choice_changes_the_result(trial):
+    default = ablation._detect(DEFAULT, "clean", trial)
+    again = ablation._detect(DEFAULT, "clean", trial)
     np.testing.assert_array_equal(again.plane.normal, default.plane.normal)
-    for choice, value in (("Laplacian", "library's"), ("neighbours of a star", 10), ("neighbours h", 25)):
-        other = ablation._answer(CHOICES[choice][value], "clean", trial)
+    for choice, value in (("Laplacian", "library"), ("neighbours of a star", 10), ("neighbours h", 25)):
+        other = ablation._detect(CHOICES[choice][value], "clean", trial)
         assert not np.array_equal(other.pairs.rows, default.pairs.rows), choice
-    wide = ablation._answer(CHOICES["sigma in spacings"][2.8], "clean", trial)
+    wide = ablation._detect(CHOICES["sigma in spacings"][2.8], "clean", trial)
     assert wide.sigma == pytest.approx(2 * default.sigma)
     np.testing.assert_array_equal(wide.pairs.rows, default.pairs.rows)
 
 
-def test_a_method_that_gives_up_is_counted_and_not_left_out(trial):
-    # no pair is so far apart
+def test_a_method_that_fails_has_a_row(trial):
+    # no two points are this far apart
     variant = Variant(SymHKS(separation=100.0))
     row = ablation._row(variant, "clean", trial)
-    assert row["gave_up"]
-    assert row["angle"] == ablation.GAVE_UP
-    assert row["right_matches"] == 0.0
+    assert row["failed"]
+    assert row["angle"] == ablation.FAILURE_ANGLE
+    assert row["correct_pairs"] == 0.0
