@@ -1,4 +1,4 @@
-"""Equivariance of both methods under O(3), shift, scale and permutation: does the plane move with the cloud?
+"""Equivariance of both methods under O(3), shift, scale and permutation: whether the plane moves with the cloud.
 
 The table has the largest difference between the plane of the transformed cloud and the transformed plane of the cloud,
 over generated objects, in degrees and diagonals.
