@@ -1,4 +1,4 @@
-"""The criterion that the solvers minimise: ψ on S² × R at one scale σ, with its derivatives, by matrix products."""
+"""The criterion that the solvers minimise: ψ on S² × R at one scale σ, and its derivatives, by matrix products."""
 
 from typing import NamedTuple
 
@@ -7,27 +7,29 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from symjax.l2e.features import COLUMNS, PRODUCT_INDEX, ROWS, TWICE, Features, weighted_sums
+from symjax.l2e.features import COLUMNS, MULTIPLICITY, PRODUCT_INDEX, ROWS, Features, weighted_sums
 from symjax.l2e.manifolds import tangent_basis
 
-_CONSTANT = 9  # the feature that is 1
-_PLACE = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]], np.int32)  # where a matrix has its entries among the features
+_CONSTANT = 9  # index of the feature that is 1
+_ENTRY_INDEX = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]], np.int32)  # of a symmetric matrix, among the features
 
 Point = Float[Array, " 4"]
 """A plane as a point (v, ω) of S² × R."""
 
 
 class Expansion(NamedTuple):
-    """ψ to second order about a plane.
+    """Second-order expansion of ψ about a plane, and the weighted moments of the pairs there.
+
+    The weights are exp(−f_i/2σ²).
 
     Attributes:
         point: the plane (v, ω).
         value: ψ.
-        gradient: its derivative in the tangent chart t ↦ (retract(v, B t), ω + t₃), B = `tangent_basis(v)`.
-        hessian: its second derivative there.
-        scatter: weighted mean of mmᵀ − hhᵀ, less that of m times itself; the weights are exp(−f_i/2σ²).
-        middle: weighted mean of m.
-        rest: what follows v and ω in the point of an MM step; nothing here.
+        gradient: gradient of ψ in the tangent chart t ↦ (retract(v, B t), ω + t₃), where B = `tangent_basis(v)`.
+        hessian: Hessian of ψ in that chart.
+        scatter: weighted mean of mmᵀ − hhᵀ, minus m̄m̄ᵀ.
+        mean_midpoint: weighted mean m̄ of the mid-points m.
+        rest: coordinates that follow v and ω in the point of an MM step. Empty at a fixed σ.
     """
 
     point: Float[Array, " d"]
@@ -35,15 +37,15 @@ class Expansion(NamedTuple):
     gradient: Float[Array, " k"]
     hessian: Float[Array, "k k"]
     scatter: Float[Array, "3 3"]
-    middle: Float[Array, " 3"]
+    mean_midpoint: Float[Array, " 3"]
     rest: Float[Array, " r"]
 
 
 class Criterion(NamedTuple):
-    """ψ(v, ω) = σ²(1 − log mean exp(−f_i/2σ²)), to be minimised: `objective.scaled_log_loss` of given pairs.
+    """ψ(v, ω) = σ²(1 − log mean exp(−f_i/2σ²)), to be minimised: `objective.scaled_log_loss` for given pairs.
 
     Attributes:
-        pairs: the pairs; constants: nothing is differentiated with respect to them.
+        pairs: features of the pairs. They are constants: nothing is differentiated with respect to them.
         sigma: scale σ, in units of the pairs' radius.
     """
 
@@ -54,84 +56,84 @@ class Criterion(NamedTuple):
         return self.sigma**2 * (1 + jnp.log(jnp.sum(self.pairs.weights)) - log_kernel)
 
     def value(self, point: Point) -> Float[Array, ""]:
-        """ψ, differentiable in the point: value and gradient cost little more than the exponentials."""
+        """Computes ψ, differentiable in the point. Value and gradient cost little more than the exponentials."""
 
         def sums(point: Point, rows: Float[Array, "t r p"]) -> tuple[Float[Array, ""], Float[Array, " r"]]:
             return weighted_sums(self.pairs, point[:3], point[3], self.sigma, lambda tile: rows[tile])
 
         @jax.custom_jvp
-        def at(point: Point) -> Float[Array, ""]:
+        def psi(point: Point) -> Float[Array, ""]:
             largest, kernel = sums(point, self.pairs.weights[:, None, :])
             return self._psi(largest + jnp.log(kernel[0]))
 
-        @at.defjvp
-        def at_jvp(primals: tuple[Point], tangents: tuple[Point]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        @psi.defjvp
+        def psi_jvp(primals: tuple[Point], tangents: tuple[Point]) -> tuple[Float[Array, ""], Float[Array, ""]]:
             point = primals[0]
             largest, means = sums(point, self.pairs.weighted)
             kernel = means[_CONSTANT]
-            slope = 2 * jnp.append(*_mean_slopes(point[:3], point[3], means[:_CONSTANT] / kernel))
-            return self._psi(largest + jnp.log(kernel)), jnp.sum(slope * tangents[0])
+            gradient = 2 * jnp.append(*_mean_gradient(point[:3], point[3], means[:_CONSTANT] / kernel))
+            return self._psi(largest + jnp.log(kernel)), jnp.sum(gradient * tangents[0])
 
-        return at(point)
+        return psi(point)
 
     def expand(self, point: Point) -> Expansion:
-        """ψ, its Riemannian gradient and its exact Hessian in one pass over the pairs."""
+        """Computes ψ, its Riemannian gradient and its exact Hessian in one pass over the pairs."""
         v, omega = point[:3], point[3]
         largest, sums = weighted_sums(self.pairs, v, omega, self.sigma, lambda tile: self.pairs.products[tile])
         kernel = sums[PRODUCT_INDEX[_CONSTANT, _CONSTANT]]
         second = sums[PRODUCT_INDEX] / kernel
         mean = second[_CONSTANT]
-        M, m = mean[_PLACE], -0.5 * mean[6:9]
-        # to second order along the two tangents and ω
-        along = jnp.concatenate([tangent_basis(v).T, jnp.zeros((1, 3), v.dtype)])
-        to_omega = jnp.asarray([0, 0, 1], v.dtype)
-        from_v, from_omega = _mean_slopes(v, omega, mean)
-        slope = _times(along, from_v) + from_omega * to_omega
-        shift = 2 * _times(along, m)
-        turned = jnp.stack([_times(along, row) for row in M])
-        bend = 2 * jnp.stack([_times(turned.T, row) for row in along])
-        bend -= jnp.sum(v * from_v) * np.diag([1, 1, 0]).astype(v.dtype)  # the sphere's own curvature
-        bend += to_omega[:, None] * (2 * to_omega - shift)[None, :] - shift[:, None] * to_omega[None, :]
-        J = _slopes(v, omega, along, to_omega)
-        variance = jnp.dot(jnp.dot(J, second, precision="highest"), J.T, precision="highest")
-        hessian = 2 * bend - 4 / self.sigma**2 * (variance - slope[:, None] * slope[None, :])
+        M, m = mean[_ENTRY_INDEX], -0.5 * mean[6:9]
+        # derivatives of v and ω along the chart's axes, the two tangents and ω
+        v_dot = jnp.concatenate([tangent_basis(v).T, jnp.zeros((1, 3), v.dtype)])
+        omega_dot = jnp.asarray([0, 0, 1], v.dtype)
+        by_v, by_omega = _mean_gradient(v, omega, mean)
+        gradient = _matvec(v_dot, by_v) + by_omega * omega_dot
+        mixed = 2 * _matvec(v_dot, m)
+        M_v_dot = jnp.stack([_matvec(v_dot, row) for row in M])
+        mean_hessian = 2 * jnp.stack([_matvec(M_v_dot.T, row) for row in v_dot])
+        mean_hessian -= jnp.sum(v * by_v) * np.diag([1, 1, 0]).astype(v.dtype)  # the sphere's own curvature
+        mean_hessian += omega_dot[:, None] * (2 * omega_dot - mixed)[None, :] - mixed[:, None] * omega_dot[None, :]
+        J = _theta_jacobian(v, omega, v_dot, omega_dot)
+        second_moment = jnp.dot(jnp.dot(J, second, precision="highest"), J.T, precision="highest")
+        hessian = 2 * mean_hessian - 4 / self.sigma**2 * (second_moment - gradient[:, None] * gradient[None, :])
         value = self._psi(largest + jnp.log(kernel))
-        return Expansion(point, value, 2 * slope, hessian, M - m[:, None] * m[None, :], m, point[4:])
+        return Expansion(point, value, 2 * gradient, hessian, M - m[:, None] * m[None, :], m, point[4:])
 
 
-def reweighted(at: Expansion, values: Float[Array, " 3"], vectors: Float[Array, "3 3"]) -> Float[Array, " d"]:
-    """The next point of the MM iteration: the least-squares plane under the weights exp(−f_i/2σ²).
+def mm_step(expansion: Expansion, values: Float[Array, " 3"], vectors: Float[Array, "3 3"]) -> Float[Array, " d"]:
+    """Returns the next point of the MM iteration: the least-squares plane under the weights exp(−f_i/2σ²).
 
-    exp(−t) is convex and lies above its tangent: the surrogate, whose optimum this is, never exceeds the objective,
-    so that no step lowers it (half-quadratic optimisation, iteratively reweighted least squares).
+    exp(−t) is convex, so it lies above its tangent. The surrogate that this plane maximises therefore never exceeds
+    the objective, and no step lowers the objective (half-quadratic optimisation, iteratively reweighted least squares).
 
     Args:
-        at: the expansion about the last point.
+        expansion: the expansion about the current point.
         values: eigenvalues of its scatter.
         vectors: their eigenvectors, in columns.
     """
     v = jnp.take(vectors, jnp.argmin(values), axis=1)
-    v = v * jnp.where(jnp.sum(v * at.point[:3]) < 0, -1, 1)
-    return jnp.concatenate([v, jnp.sum(v * at.middle)[None], at.rest])
+    v = v * jnp.where(jnp.sum(v * expansion.point[:3]) < 0, -1, 1)
+    return jnp.concatenate([v, jnp.sum(v * expansion.mean_midpoint)[None], expansion.rest])
 
 
-def _mean_slopes(
+def _mean_gradient(
     v: Float[Array, " 3"], omega: Float[Array, ""], mean: Float[Array, " k"]
 ) -> tuple[Float[Array, " 3"], Float[Array, ""]]:
-    """Derivatives of E[f]/4 = vᵀMv − 2ω v·m + ω² + E‖h‖², at fixed weights, in v and ω; `mean` is that of φ."""
+    """Derivatives of E[f]/4 = vᵀMv − 2ω v·m + ω² + E‖h‖² in v and ω at fixed weights; `mean` is E[φ]."""
     m = -0.5 * mean[6:9]
-    return 2 * (_times(mean[_PLACE], v) - omega * m), 2 * (omega - jnp.sum(v * m))
+    return 2 * (_matvec(mean[_ENTRY_INDEX], v) - omega * m), 2 * (omega - jnp.sum(v * m))
 
 
-def _times(matrix: Float[Array, "r 3"], u: Float[Array, " 3"]) -> Float[Array, " r"]:
+def _matvec(matrix: Float[Array, "r 3"], u: Float[Array, " 3"]) -> Float[Array, " r"]:
     return matrix[:, 0] * u[0] + matrix[:, 1] * u[1] + matrix[:, 2] * u[2]
 
 
-def _slopes(
-    v: Float[Array, " 3"], omega: Float[Array, ""], along: Float[Array, "3 3"], to_omega: Float[Array, " 3"]
+def _theta_jacobian(
+    v: Float[Array, " 3"], omega: Float[Array, ""], v_dot: Float[Array, "3 3"], omega_dot: Float[Array, " 3"]
 ) -> Float[Array, "3 10"]:
-    """Derivatives of θ along the two tangents and ω."""
-    twice = TWICE.astype(v.dtype)[None, :]
-    square = (v[None, ROWS] * along[:, COLUMNS] + along[:, ROWS] * v[None, COLUMNS]) * twice
-    mixed = omega * along + to_omega[:, None] * v[None, :]
-    return jnp.concatenate([square, mixed, (2 * omega * to_omega)[:, None]], axis=1)
+    """Derivatives of the coefficients θ along the two tangents and ω."""
+    multiplicity = MULTIPLICITY.astype(v.dtype)[None, :]
+    square = (v[None, ROWS] * v_dot[:, COLUMNS] + v_dot[:, ROWS] * v[None, COLUMNS]) * multiplicity
+    mixed = omega * v_dot + omega_dot[:, None] * v[None, :]
+    return jnp.concatenate([square, mixed, (2 * omega * omega_dot)[:, None]], axis=1)

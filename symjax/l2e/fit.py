@@ -1,4 +1,4 @@
-"""A fitted plane, or a batch of them; from a minimum on normalised pairs, with its derivatives."""
+"""The result of the estimator: a fitted plane, or a batch of them, computed from minima on normalised pairs."""
 
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,30 +21,42 @@ from symjax.l2e.status import Status, sentences
 if TYPE_CHECKING:
     import xarray
 
-SIGMA_TOO_LARGE = "Note: sigma exceeds the scale of the pairs' residual; the share of mirror pairs is cut to 1."
+SIGMA_TOO_LARGE = "Note: sigma exceeds the scale of the residual, so inlier_fraction is clipped to 1."
 
-FRACTION = 2**1.5
-"""ρ̂ over the mean weight: that of an inlier is E exp(−‖r‖²/2σ²) = 2^{−3/2}, that of an outlier almost 0."""
+WEIGHT_TO_INLIER_FRACTION = 2**1.5
+"""Ratio of ρ̂ to the mean weight: inliers have the mean weight E exp(−‖r‖²/2σ²) = 2^{−3/2}, outliers nearly 0."""
 
 
 class Fit(NamedTuple):
-    """The fitted plane and how the fit went; leading axes are those of the fits.
+    """A fitted plane and how it was found, or a batch of fits in leading axes.
 
-    The arrays are of JAX, but for float64 answers where JAX's x64 flag is off: those are of NumPy, since JAX would cut
-    them to float32 in the next operation.
+    The arrays are JAX arrays, with one exception: float64 fits are NumPy arrays if JAX's x64 flag is off, because JAX
+    would cut them to float32 in the next operation.
 
     Attributes:
         plane: the plane, of canonical sign, in the units of the points.
-        loss: the criterion at the plane: `l2e_loss`, or where σ was estimated that of `sigma="auto"`; length⁻³.
-        status: how the solve ended, the number of a member of `symjax.l2e.status.Status`.
-        num_steps: steps of the solver, or rounds of the alternating one and of an optimistix minimiser.
-        grad_norm: norm of the Riemannian gradient of ψ (`scaled_log_loss`), the points scaled to unit radius:
-            what `tol` bounds.
+        loss: loss of the plane, in the units of the points to the power −3: `l2e_loss`, or the criterion of
+            `sigma="auto"` if σ was estimated.
+        status: how the solver ended, as the number of a `symjax.l2e.status.Status`.
+        num_steps: steps of the solver. For the alternating solver and optimistix minimisers, rounds.
+        grad_norm: norm of the Riemannian gradient of ψ (`scaled_log_loss`) with the points scaled to unit radius. The
+            solver converges when it is at most `tol`.
         sigma: scale σ of the residual, given or estimated, in the units of the points.
-        inlier_fraction: ρ̂ = 2^{3/2} mean exp(−f_i/2σ²), the share of mirror pairs if σ is their residual's scale;
-            where σ exceeds that scale, at most 1.
+        inlier_fraction: ρ̂ = 2^{3/2} mean exp(−f_i/2σ²), clipped to 1. It estimates the fraction of inliers if σ is
+            the scale of their residual, and exceeds it if σ is larger.
         sigma_estimated: whether σ was estimated.
-        start: the plane that the solver began with, of canonical sign; None of a continuation, which follows others.
+        start: the plane that the solver began with, of canonical sign. None for a continuation, which starts from
+            other fits.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.01)
+        >>> print(fit.plane.normal.round(2), f"{fit.plane.offset:.2f}", f"{fit.inlier_fraction:.2f}")
+        [] 0.500
+        >>> fit.message
+        'Converged: the Riemannian gradient is within tol.'
     """
 
     plane: Plane
@@ -59,24 +71,28 @@ class Fit(NamedTuple):
 
     @property
     def converged(self) -> Bool[AnyArray, "*batch"]:
-        """Whether the gradient is within tol and some pair supports the plane."""
+        """Whether the gradient is within tol and at least one pair supports the plane."""
         return self.status == Status.SUCCESSFUL.value
 
     @property
     def message(self) -> str | np.ndarray:
-        """How the solve ended, in sentences; of a batch, an array of such texts. Not under a trace."""
+        """How the solver ended, in sentences; for a batch, an array of strings. It cannot be read under a trace."""
         too_large = (np.asarray(self.inlier_fraction) >= 1) & ~np.asarray(self.sigma_estimated)
         notes = np.where(too_large, f" {SIGMA_TOO_LARGE}", "")
         texts = np.char.add(sentences(np.asarray(self.status)), notes)
         return str(texts) if texts.ndim == 0 else texts
 
     def to_xarray(self) -> "xarray.Dataset":
-        """The fits of a sweep as a labelled dataset: dimensions cloud (of `sweep_clouds`), sigma and restart.
+        """Converts the fits of a sweep to a labelled dataset with dimensions sigma and restart.
 
-        Needs xarray: `pip install "symjax[sweep]"` from the source tree, or xarray itself.
+        Fits of `sweep_clouds` have the dimension cloud before these. Requires xarray, which the extra `sweep` of
+        symjax installs.
+
+        Returns:
+            The dataset. Its variables are described in `symjax.l2e.xarray_export.dataset`.
 
         Raises:
-            InvalidArgumentError: the fits are not those of a sweep.
+            InvalidArgumentError: if the fits do not come from a sweep, or if xarray is not installed.
         """
         from symjax.l2e.xarray_export import dataset
 
@@ -84,36 +100,51 @@ class Fit(NamedTuple):
 
 
 def best(fits: Fit) -> Fit:
-    """Of each row of fits, the one of lowest loss among those that converged.
+    """Selects the fit of lowest loss along the last axis, among the fits that converged.
 
-    Where none of a row converged, the one of lowest loss, with its own status.
+    If none of them converged, selects the lowest loss of all; its status says why it did not converge.
 
     Args:
-        fits: fits with axes (..., R), such as the (S, R) of a `sweep`.
+        fits: fits with leading axes (..., R), such as (S, R) from a `sweep`.
 
     Returns:
-        The fits without their last axis.
+        The selected fits, with leading axes (...).
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.02, 0.2], "fibonacci", restarts=16)
+        >>> fits.loss.shape
+        (2, 16)
+        >>> print(pairs.normal.round(2), symjax.best(fits).plane.normal.round(2))
+        []
     """
     # NumPy's float64 fits stay in NumPy
     xp: Any = fits.loss.__array_namespace__()
     loss = xp.where(xp.isnan(fits.loss), xp.inf, fits.loss)
     candidate = fits.converged | ~xp.any(fits.converged, axis=-1, keepdims=True)
-    # at equal losses the converged comes first, also where every loss is infinite
     index = xp.argmin(xp.where(candidate, loss, xp.inf), axis=-1)
     axis = fits.loss.ndim - 1
 
     def pick(leaf: AnyArray) -> AnyArray:
         where = index.reshape(*index.shape, *[1] * (leaf.ndim - axis))
-        return xp.squeeze(xp.take_along_axis(leaf, where, axis=axis), axis=axis)
+        picked: AnyArray = xp.squeeze(xp.take_along_axis(leaf, where, axis=axis), axis=axis)
+        return picked
 
-    return jax.tree.map(pick, fits)
+    selected: Fit = jax.tree.map(pick, fits)
+    return selected
 
 
 def psi(z: Float[Array, " 4"], theta: tuple[Array, Array, Array, Array]) -> Float[Array, ""]:
-    """`scaled_log_loss` as a function of the plane and of everything that an answer has a derivative in.
+    """Computes `scaled_log_loss` as a function of the plane and of all quantities that a fit is differentiable in.
 
-    In float64 by one matrix product, plain JAX: many times faster under `vmap` than the residuals as written, which
-    float32 needs for its digits.
+    In float64 it uses one matrix product, in plain JAX, which is many times faster under `vmap` than the direct
+    residuals. float32 needs the direct residuals for its precision.
+
+    Args:
+        z: the plane (v, ω).
+        theta: x, y, weights and σ.
     """
     x, y, weights, sigma = theta
     if x.dtype != jnp.float64:
@@ -126,27 +157,27 @@ def psi(z: Float[Array, " 4"], theta: tuple[Array, Array, Array, Array]) -> Floa
 
 
 def unscale_plane(point: Float[Array, " d"], pairs: NormalisedPairs) -> Plane:
-    """A plane (v, ω) of the normalised pairs as one in the units of the points, of canonical sign."""
+    """Converts a plane (v, ω) of the normalised pairs to the units of the points, with canonical sign."""
     return pairs.to_given.plane(Plane(point[:3], point[3])).canonical()
 
 
 def unscale(pairs: NormalisedPairs, sigma: Float[Array, ""], minimum: Minimum, start: Float[Array, " 4"] | None) -> Fit:
-    """The fit at a given scale, differentiable in the pairs and in σ.
+    """Converts a minimum at a given scale to a fit in the units of the points, differentiable in the pairs and in σ.
 
     Args:
         pairs: the normalised pairs.
         sigma: scale σ in their units.
-        minimum: what the solver found.
-        start: the plane that it began with, where there is one.
+        minimum: the solver's result.
+        start: the plane that the solver began with, if any.
     """
     x, y, weights, to_given = pairs
     z, value = implicit_minimum(psi, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights, sigma))
-    log_share = 1 - value / sigma**2
-    share = jnp.exp(log_share)
-    loss = (4 * math.pi * sigma**2) ** -1.5 - 2 * share / (2 * math.pi * sigma**2) ** 1.5
-    # all weights underflow where their sum does, but for a factor that is at most their number
-    tiny = jnp.log(jnp.finfo(x.dtype).tiny)
-    flat = log_share + jnp.log(jnp.sum(weights)) < tiny
+    log_mean_weight = 1 - value / sigma**2
+    mean_weight = jnp.exp(log_mean_weight)
+    loss = (4 * math.pi * sigma**2) ** -1.5 - 2 * mean_weight / (2 * math.pi * sigma**2) ** 1.5
+    # if the sum of the weights underflows, so does each of them; the converse holds up to a factor of their number
+    tiny = jnp.log(np.finfo(x.dtype).tiny)
+    flat = log_mean_weight + jnp.log(jnp.sum(weights)) < tiny
     return Fit(
         plane=unscale_plane(z, pairs),
         loss=loss / to_given.scale**3,
@@ -154,7 +185,7 @@ def unscale(pairs: NormalisedPairs, sigma: Float[Array, ""], minimum: Minimum, s
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
         sigma=sigma * to_given.scale,
-        inlier_fraction=jnp.minimum(FRACTION * share, 1),
+        inlier_fraction=jnp.minimum(WEIGHT_TO_INLIER_FRACTION * mean_weight, 1),
         sigma_estimated=jnp.asarray(False),
         start=None if start is None else unscale_plane(start, pairs),
     )

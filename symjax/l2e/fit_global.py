@@ -1,4 +1,4 @@
-"""The best mirror plane of putative pairs, with no start."""
+"""Fits the best mirror plane of putative pairs, without a start."""
 
 from functools import partial
 
@@ -10,7 +10,7 @@ from symjax.geometry.checks import whole
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given
+from symjax.l2e.jax_config import float64_as_given, jit
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_sigma
 from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
@@ -26,13 +26,13 @@ from symjax.l2e.starts.hypotheses import (
 from symjax.l2e.starts.scale_estimation import estimate_scale, starts_at_all_scales, unscale_with_sigma
 
 NUM_SAMPLED = 1024
-"""Pairs that the planes are refined on, if there are more, before one of them is chosen."""
+"""Largest number of pairs in the first refinement, which is of all kept hypotheses; more pairs are sampled."""
 
 FIRST_STEPS = 6
-"""Steps that are taken there: right hypotheses have converged by then, and the others need not."""
+"""Steps of the first refinement. Correct hypotheses have converged by then, and the others do not need to."""
 
 
-@partial(jax.jit, static_argnames=("num_hypotheses", "num_refined"))
+@jit(static_argnames=("num_hypotheses", "num_refined"))
 def _fit_global(
     pairs: PaddedPairs, sigma: Float[Array, ""] | None, limits: Limits, *, num_hypotheses: int, num_refined: int
 ) -> Fit:
@@ -45,14 +45,14 @@ def _fit_global(
     scaled = sigma / normalised.to_given.scale
     constant_sigma = jax.lax.stop_gradient(scaled)
     starts = rank_hypotheses(proposed, constant, constant_sigma, num=num_refined)
-    # a few steps of all on some of the pairs, and the best of them to its end on all
-    few = features(*(sample_pairs(constant, NUM_SAMPLED) if len(pairs.x) > NUM_SAMPLED else constant[:3]))
-    first = make_solver("newton", Criterion(few, constant_sigma), limits._replace(max_steps=FIRST_STEPS))
-    near = jax.vmap(partial(solve, first))(starts).point
+    # refine all starts by a few steps on a sample of the pairs, then the best of them to convergence on all pairs
+    sampled = features(*(sample_pairs(constant, NUM_SAMPLED) if len(pairs.x) > NUM_SAMPLED else constant[:3]))
+    first = make_solver("newton", Criterion(sampled, constant_sigma), limits._replace(max_steps=FIRST_STEPS))
+    refined = jax.vmap(partial(solve, first))(starts).point
     criterion = Criterion(features(*constant[:3], used=pairs.used), constant_sigma)
-    values = jax.vmap(criterion.value)(near)
+    values = jax.vmap(criterion.value)(refined)
     lowest = jnp.argmin(jnp.where(jnp.isfinite(values), values, jnp.inf))
-    minimum = solve(make_solver("newton", criterion, limits), near[lowest])
+    minimum = solve(make_solver("newton", criterion, limits), refined[lowest])
     return unscale(normalised, scaled, minimum, starts[lowest])
 
 
@@ -68,27 +68,39 @@ def fit_global(
     max_steps: int = MAX_STEPS,
     tol: float | None = None,
 ) -> Fit:
-    """Fits the best mirror plane of putative pairs by the L2E estimator: no start is needed.
+    """Searches for the best mirror plane of putative pairs by the L2E estimator. It needs no start.
 
-    Every pair is a hypothesis (its own mirror plane). All are ranked by the criterion on a sample of the pairs, without
-    near duplicates; the best few are refined by a few steps of Newton's method, on a sample where there are many
-    pairs; and the best of those is refined to its end on all. Pure JAX, with the derivatives of `fit_plane`.
+    Every pair proposes its own mirror plane as a hypothesis. The hypotheses are ranked by the criterion on a sample of
+    the pairs, and near duplicates are dropped. The best ones are refined by a few Newton steps, on a sample if there
+    are many pairs. The best of these is then refined to convergence on all pairs.
+
+    The function is pure JAX and has the derivatives of `fit_plane`.
 
     Args:
-        x: one end of every pair.
-        y: the other end.
-        sigma: see `fit_plane`.
-        weights: nonnegative weights of the pairs.
-        num_hypotheses: how many pairs propose their plane. With a share ρ of mirror pairs, 0.7 ρ of them are right.
-        num_refined: how many distinct planes are refined, at a given σ.
-        max_steps: limit on the steps of each.
-        tol: bound on the gradient, see `fit_plane`.
+        x: one end of every pair, in any unit.
+        y: the other end, in the same unit.
+        sigma: scale σ of the residual, in the units of the points, or "auto", see `fit_plane`.
+        weights: nonnegative weights of the pairs, by default all 1.
+        num_hypotheses: number of pairs that propose a plane. If a fraction ρ of the pairs are inliers, a fraction
+            0.7 ρ of the hypotheses are correct.
+        num_refined: number of distinct hypotheses that are refined. It has no effect if `sigma` is "auto".
+        max_steps: limit on the steps of the last refinement.
+        tol: tolerance of the gradient norm, see `fit_plane`.
 
     Returns:
-        The fit of lowest loss; `num_steps` are its last ones, on all pairs, and `start` is its hypothesis.
+        The fit of lowest loss. Its `num_steps` counts the steps of the last refinement, and its `start` is the
+        hypothesis that it was refined from.
 
     Raises:
-        SymjaxError: see `fit_plane`.
+        SymjaxError: if an argument is invalid, see `fit_plane`.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.8)
+        >>> fit = symjax.fit_global(pairs.x, pairs.y, 0.02)
+        >>> print(pairs.normal.round(2), fit.plane.normal.round(2))
+        []
     """
     pairs = pad_pairs(x, y, weights)
     limits = checked_limits("newton", max_steps, tol, pairs.x.dtype)

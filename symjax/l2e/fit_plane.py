@@ -1,7 +1,6 @@
-"""The mirror plane of putative pairs from one start."""
+"""Fits the mirror plane of putative pairs from one start."""
 
 from collections.abc import Sequence
-from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +11,7 @@ from symjax.geometry.checks import choice
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given
+from symjax.l2e.jax_config import float64_as_given, jit
 from symjax.l2e.manifolds import normalise
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalised import normalise_pairs
@@ -22,10 +21,10 @@ from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
 from symjax.l2e.starts.hypotheses import offset_search
 from symjax.l2e.starts.initialisation import NORMALS
-from symjax.l2e.starts.scale_estimation import GRID, estimate_scale, unscale_with_sigma
+from symjax.l2e.starts.scale_estimation import SIGMA_GRID, estimate_scale, unscale_with_sigma
 
 
-@partial(jax.jit, static_argnames=("solver", "start"))
+@jit(static_argnames=("solver", "start"))
 def _fit_plane(
     pairs: PaddedPairs,
     sigma: Float[Array, ""] | None,
@@ -42,7 +41,7 @@ def _fit_plane(
     v0 = normalise(jax.lax.stop_gradient(v0))
     plane_at = offset_search(constant)
     if sigma is None:
-        grid = jnp.asarray(GRID, v0.dtype)
+        grid = jnp.asarray(SIGMA_GRID, v0.dtype)
         starts = jax.vmap(lambda sigma: jnp.append(plane_at(v0, sigma), jnp.log(sigma)))(grid)
         return unscale_with_sigma(normalised, *estimate_scale(starts, constant, limits))
     scaled = sigma / normalised.to_given.scale
@@ -66,34 +65,44 @@ def fit_plane(
 ) -> Fit:
     """Fits the mirror plane of putative pairs by the L2E estimator (paper, Eq. 5), from one start.
 
-    Pure JAX: it goes through jit, vmap and grad. The answer has derivatives in x, y, weights and sigma,
-    forward and reverse, by the implicit function theorem; none in v0. The criterion has many local optima:
-    from one start this finds the nearest; `fit_global` looks for the best, and `sweep` tries many starts.
+    The criterion has many local optima, and one start leads to a nearby one. `fit_global` searches for the best
+    plane, and `sweep` tries many starts.
 
-    float64 pairs of NumPy (or lists) are computed and answered in float64 whatever JAX's flags are; arrays of JAX, and
-    whatever is being traced, keep their own type.
+    The function is pure JAX: jit, vmap and grad apply to it. By the implicit function theorem the fit has forward and
+    reverse derivatives in x, y, weights and sigma. It has none in v0.
+
+    float64 NumPy arrays and lists are fitted in float64 regardless of JAX's flags. JAX arrays and traced arguments
+    keep their own type.
 
     Args:
-        x: one end of every pair.
-        y: the other end; y[i] is the putative mirror image of x[i].
-        sigma: scale σ of the residual, in the units of the points; "auto" estimates it together with the share of
-            mirror pairs (`symjax.l2e.starts.scale_estimation`).
-        v0: unit normal to start from, or a start by name: "rga" (or None), the robust Grassmann average of the
+        x: one end of every pair, in any unit.
+        y: the other end, in the same unit: y[i] is the putative mirror image of x[i].
+        sigma: scale σ of the residual, in the units of the points. "auto" estimates it together with the inlier
+            fraction (`symjax.l2e.starts.scale_estimation`).
+        v0: unit normal to start from, or the name of a start: "rga" (the default), the robust Grassmann average of the
             mid-points; "pca", their least principal direction; "l2", the least-squares plane (Eq. 2, corrected).
-        weights: nonnegative weights of the pairs.
+        weights: nonnegative weights of the pairs, by default all 1. A boolean mask selects pairs.
         solver: "newton", trust-region Newton; "irls", iteratively reweighted least squares; "rbfgs", Riemannian BFGS
-            on S² × R; "alternating", Algorithm 1 of the paper, slowest; or a minimiser of optimistix, such as
+            on S² × R; "alternating", Algorithm 1 of the paper, the slowest; or an optimistix minimiser, such as
             `optimistix.BFGS(rtol=1e-8, atol=1e-8)` (`symjax.l2e.solvers.external`).
-        max_steps: limit on the steps, or on the rounds of the alternating solver and of a minimiser of optimistix.
-        tol: bound on the gradient, see `Fit.grad_norm`; None is eps^(2/3) of the points' type
-            (eps^(1/2) for the alternating solver, eps^(2/5) for a minimiser of optimistix).
+        max_steps: limit on the steps. For the alternating solver and optimistix minimisers, limit on the rounds.
+        tol: tolerance of the gradient norm, see `Fit.grad_norm`. The default is eps^(2/3) of the points' type
+            (eps^(1/2) for the alternating solver, eps^(2/5) for an optimistix minimiser).
 
     Returns:
-        The fit. A solve that fails raises nothing: read `fit.converged`, or `fit.message` for a sentence.
+        The fit. A solver that fails raises no error: read `fit.converged`, and `fit.message` for the reason.
 
     Raises:
-        SymjaxError: for arguments that no plane can be fitted to, before anything is computed; the values of
-            traced arguments are not looked at.
+        SymjaxError: if an argument is invalid, before anything is computed. The values of traced arguments are not
+            checked.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> print(pairs.normal.round(2), fit.plane.normal.round(2))
+        []
     """
     pairs = pad_pairs(x, y, weights)
     limits = checked_limits(solver, max_steps, tol, pairs.x.dtype)

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
+from symjax.l2e.jax_config import full_precision
 from symjax.l2e.manifolds import Manifold
 
 Objective = Callable[[Float[Array, " d"], PyTree], Float[Array, ""]]
@@ -17,18 +18,18 @@ Objective = Callable[[Float[Array, " d"], PyTree], Float[Array, ""]]
 def implicit_minimum(
     fun: Objective, manifold: Manifold, z: Float[Array, " d"], value: Float[Array, ""], theta: PyTree
 ) -> tuple[Float[Array, " d"], Float[Array, ""]]:
-    """Returns z and its value, with the derivatives in theta that a minimiser of `fun(·, theta)` has.
+    """Returns z and its value, and gives them the derivatives in theta of a minimiser of `fun(·, theta)`.
 
-    At a minimum the gradient G in the tangent chart t ↦ R_z(B t) is zero whatever theta is, so
-    dt = −H⁻¹ ∂_θG dθ and dz = B dt: one small solve with the chart's Hessian H. The value changes as if z stood
-    still (the envelope theorem). Because the rule is a linear jvp it is transposed for reverse mode, and because it
-    calls itself it can be differentiated again.
+    At a minimum the gradient G in the tangent chart t ↦ R_z(B t) is zero for every theta. Therefore
+    dt = −H⁻¹ ∂_θG dθ and dz = B dt: one small solve with the Hessian H of the chart. The value changes as if z were
+    constant (the envelope theorem). The rule is a linear jvp, so JAX transposes it for reverse mode. It calls itself,
+    so it can be differentiated again.
 
     Args:
-        fun: the function that z minimises; `fun(z, theta)`.
-        manifold: the manifold it is minimised on.
-        z: a minimiser; its own derivative is discarded (an answer does not depend on its start).
-        value: `fun(z, theta)`, which the solver knows; its own derivative is discarded.
+        fun: the function that z minimises, called as `fun(z, theta)`.
+        manifold: the manifold of z.
+        z: a minimiser. Its own derivative is discarded, because the minimiser does not depend on the start.
+        value: `fun(z, theta)`, known from the solver. Its own derivative is discarded.
         theta: parameters of the function.
 
     Returns:
@@ -39,7 +40,7 @@ def implicit_minimum(
 
 
 @implicit_minimum.defjvp
-@jax.default_matmul_precision("highest")
+@full_precision
 def _implicit_minimum_jvp(
     fun: Objective, manifold: Manifold, primals: tuple[Any, Any, Any], tangents: tuple[Any, Any, Any]
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

@@ -1,4 +1,4 @@
-"""How sure a fit is: the sandwich covariance of the L2E estimate."""
+"""Standard errors of a fit, from the sandwich covariance of the L2E estimate."""
 
 from typing import NamedTuple
 
@@ -10,8 +10,8 @@ from jaxtyping import Array, Float
 from symjax.errors import InvalidArgumentError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
-from symjax.l2e.fit import FRACTION, Fit
-from symjax.l2e.jax_config import float64_as_given
+from symjax.l2e.fit import WEIGHT_TO_INLIER_FRACTION, Fit
+from symjax.l2e.jax_config import float64_as_given, jit
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
 from symjax.l2e.pairs.arguments import Points, Weights
@@ -23,9 +23,18 @@ class StandardErrors(NamedTuple):
     """Standard errors of a fit.
 
     Attributes:
-        plane: covariance of the plane, with its regions.
-        sigma: standard error of σ̂, in the units of the points; 0 where σ was given.
-        inlier_fraction: standard error of ρ̂.
+        plane: uncertainty of the plane: its covariance, standard errors and confidence regions.
+        sigma: standard error of the estimated σ, in the units of the points; 0 if σ was given.
+        inlier_fraction: standard error of `Fit.inlier_fraction`.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> errors = symjax.standard_errors(fit, pairs.x, pairs.y)
+        >>> print(f"{errors.inlier_fraction:.3f}", errors.sigma)
+        0.05 0.0
     """
 
     plane: Uncertainty
@@ -41,24 +50,37 @@ def standard_errors(
     *,
     weights: Weights | None = None,
 ) -> StandardErrors:
-    """Standard errors of a fit by the sandwich formula A⁻¹BA⁻¹ of M-estimators (Godambe).
+    """Computes the standard errors of a fit by the sandwich formula A⁻¹BA⁻¹ of M-estimators (Godambe).
 
-    A is the Hessian of the partial-density criterion and B the sum of the outer products of the pairs' gradients, in
-    the tangent chart of the plane, log σ (where it was estimated) and ρ. Pairs are taken to be independent: the errors
-    are too small where neighbouring pairs share theirs, or where a pair is listed twice, from either end.
+    A is the Hessian of the partial-density criterion, and B the sum of the outer products of the pairs' gradients. The
+    parameters are the plane in its tangent chart, log σ (if it was estimated) and the inlier fraction ρ. The formula
+    assumes independent pairs. The standard errors are too small if neighbouring pairs have correlated errors, or if a
+    pair is listed twice, from either end.
 
     Args:
-        fit: one fit, of `fit_plane` or `fit_global`.
-        x: one end of every pair that it was fitted to.
+        fit: one fit, from `fit_plane` or `fit_global`.
+        x: one end of every pair that was fitted, in the same unit.
         y: the other end.
-        weights: weights of the pairs.
+        weights: weights of the pairs in that fit.
+
+    Returns:
+        The standard errors.
 
     Raises:
-        InvalidArgumentError: for several fits at once.
-        SymjaxError: see `fit_plane`.
+        InvalidArgumentError: if `fit` is a batch of fits.
+        SymjaxError: if the pairs or weights are invalid, see `fit_plane`.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> errors = symjax.standard_errors(fit, pairs.x, pairs.y)
+        >>> print(f"{errors.plane.normal_degrees:.2f} degrees, offset {errors.plane.offset:.4f}")
+        0.05
     """
     if shape := np.shape(fit.loss):
-        raise InvalidArgumentError(f"these are fits of shape {shape}: standard errors are of one fit at a time")
+        raise InvalidArgumentError(f"fit is a batch of fits of shape {shape}: pass one fit at a time")
     pairs = pad_pairs(x, y, weights)
     centre, covariance = (np.asarray(part, float) for part in _sandwich(fit, pairs))
     tangents = np.asarray(tangent_basis(jnp.asarray(fit.plane.normal))).T
@@ -67,25 +89,25 @@ def standard_errors(
     return StandardErrors(plane, float(fit.sigma) * float(np.sqrt(variances[3])), float(np.sqrt(variances[4])))
 
 
-@jax.jit
+@jit()
 def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, " 3"], Float[Array, "5 5"]]:
-    """Middle of the mirror pairs, and covariance of (two turns, distance there, log σ, ρ)."""
+    """Computes the centre of the inliers, and the covariance of (two rotations, offset there, log σ, ρ)."""
     x, y, weights, to_given = normalise_pairs(pairs.x, pairs.y, pairs.weights)
     normal, offset, sigma = (jnp.asarray(part, x.dtype) for part in (*fit.plane, fit.sigma))
     v, omega = (jnp.asarray(part) for part in to_given.inverse().plane(Plane(normal, offset)))
     sigma = sigma / to_given.scale
     kernel = weights * jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
-    # not cut to 1, as `Fit.inlier_fraction` is: it is where the criterion is stationary
-    share = FRACTION * jnp.sum(kernel) / jnp.sum(weights)
-    point = jnp.concatenate([v, jnp.stack([omega, jnp.log(sigma), share])])
-    middle = jnp.sum(kernel[:, None] * 0.5 * (x + y), axis=0) / jnp.sum(kernel)
+    # the stationary point of the criterion, not clipped to 1 like `Fit.inlier_fraction`
+    rho = WEIGHT_TO_INLIER_FRACTION * jnp.sum(kernel) / jnp.sum(weights)
+    point = jnp.concatenate([v, jnp.stack([omega, jnp.log(sigma), rho])])
+    centre = jnp.sum(kernel[:, None] * 0.5 * (x + y), axis=0) / jnp.sum(kernel)
 
     def terms(t: Float[Array, " 5"]) -> Float[Array, " n"]:
-        """Every pair's term of ρ²(4πσ²)^{−3/2} − 2ρ g(r), over the constant (2πσ̂²)^{−3/2}."""
+        """Computes every pair's term ρ²(4πσ²)^{−3/2} − 2ρ g(r), divided by the constant (2πσ̂²)^{−3/2}."""
         basis = SPHERE_LINE.basis(point)
         moved = SPHERE_LINE.retract(point, jnp.sum(basis * t[None, :], axis=1))
-        # the turn is about the middle of the mirror pairs, where the distance is least correlated with it
-        offset = jnp.sum((moved[:3] - v) * middle) + moved[3]
+        # rotate about the centre of the inliers, where the offset is least correlated with the rotation
+        offset = jnp.sum((moved[:3] - v) * centre) + moved[3]
         scale = jnp.exp(moved[4])
         kernel = jnp.exp(-squared_residuals(moved[:3], offset, x, y) / (2 * scale**2))
         rho = moved[5]
@@ -101,4 +123,4 @@ def _sandwich(fit: Fit, pairs: PaddedPairs) -> tuple[Float[Array, " 3"], Float[A
     used = jnp.sum(weights > 0, dtype=x.dtype)
     covariance = bread @ meat @ bread * (used / jnp.maximum(used - 5, 1))
     units = jnp.ones(5, x.dtype).at[2].set(to_given.scale)
-    return jnp.asarray(to_given.points(middle)), covariance * units[:, None] * units[None, :]
+    return jnp.asarray(to_given.points(centre)), covariance * units[:, None] * units[None, :]

@@ -1,4 +1,4 @@
-"""Sweeps: fits for every scale σ and every start, and for many clouds."""
+"""Sweeps: fits for every scale σ and every start, for one or many sets of pairs."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -15,13 +15,13 @@ from symjax.geometry.directions import fibonacci
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given
+from symjax.l2e.jax_config import float64_as_given, jit
 from symjax.l2e.manifolds import normalise, random_points
 from symjax.l2e.pairs.arguments import Points, Weights, checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
-from symjax.l2e.solvers.batched import NUM_SLOTS, Make, solve_sharded
+from symjax.l2e.solvers.batched import NUM_SLOTS, SolverFactory, solve_sharded
 from symjax.l2e.solvers.names import AnySolver
 from symjax.l2e.solvers.registry import MAX_STEPS, checked_limits, make_solver
 from symjax.l2e.starts.hypotheses import offset_search, pair_hypotheses, plane_nms, rank_hypotheses
@@ -29,12 +29,12 @@ from symjax.l2e.starts.initialisation import NORMALS
 from symjax.l2e.starts.names import STARTS
 
 RESTARTS = 64
-PATHS = 32
-"""Distinct planes that a continuation follows from one σ to the next."""
+NUM_PATHS = 32
+"""Number of distinct optima that a continuation follows from one σ to the next."""
 
 
 class _Options(NamedTuple):
-    """What a sweep is compiled for."""
+    """Options that a sweep is compiled for."""
 
     solver: AnySolver
     start: str | None
@@ -42,7 +42,7 @@ class _Options(NamedTuple):
     continuation: bool
 
 
-@partial(jax.jit, static_argnames="options")
+@jit(static_argnames="options")
 def _sweep(
     pairs: PaddedPairs, sigmas: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, limits: Limits, options: _Options
 ) -> Fit:
@@ -54,7 +54,7 @@ def _sweep(
     plane_at = offset_search(constant)
 
     def make(sigma: Float[Array, ""]) -> Solver:
-        # a normal is given its offset as its solve begins: that too is then done in parallel, and in little memory
+        # the offset of a starting normal is found when its solve begins: in parallel, and with little memory
         solver = make_solver(options.solver, Criterion(rows, sigma), limits)
         return with_start(solver, lambda start: start if len(start) == 4 else plane_at(start, sigma))
 
@@ -62,7 +62,8 @@ def _sweep(
     if options.continuation:
         minima, row = _continuation(make, constant, scales, starts[jnp.argmax(scales)])
         fits = by_sigma(normalised, scaled, minima, None)
-        return jax.tree.map(lambda leaf: jax.vmap(lambda of_sigma, row: of_sigma[row])(leaf, row), fits)
+        chosen: Fit = jax.tree.map(lambda leaf: jax.vmap(lambda of_sigma, row: of_sigma[row])(leaf, row), fits)
+        return chosen
     found = solve_sharded(make, jnp.repeat(scales, starts.shape[1]), starts.reshape(-1, starts.shape[-1]))
     found = jax.tree.map(lambda leaf: leaf.reshape(*starts.shape[:2], *leaf.shape[1:]), found)
     return by_sigma(normalised, scaled, *found)
@@ -71,10 +72,13 @@ def _sweep(
 def _starts(
     pairs: NormalisedPairs, scales: Float[Array, " S"], v0s: Float[Array, "R 3"] | None, options: _Options
 ) -> Float[Array, "S R d"]:
-    """The normals, or the planes (d = 4), to start from at every σ."""
+    """Returns the starts at every σ: normals (d = 3) or planes (d = 4)."""
     if options.start == "hypotheses":
         proposed = pair_hypotheses(pairs)
-        return jax.lax.map(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=options.restarts), scales)
+        planes: Float[Array, "S R 4"] = jax.lax.map(
+            lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=options.restarts), scales
+        )
+        return planes
     if v0s is None:
         v0s = NORMALS[options.start or "rga"](pairs.x, pairs.y, weights=pairs.weights)[None]
     v0s = jax.vmap(normalise)(jax.lax.stop_gradient(v0s))
@@ -82,23 +86,23 @@ def _starts(
 
 
 def _continuation(
-    make: Make, pairs: NormalisedPairs, scales: Float[Array, " S"], starts: Float[Array, "R d"]
+    make: SolverFactory, pairs: NormalisedPairs, scales: Float[Array, " S"], starts: Float[Array, "R d"]
 ) -> tuple[Minimum, Int[Array, "S R"]]:
-    """The optima of a continuation, from the largest σ to the smallest.
+    """Follows optima from the largest σ to the smallest.
 
-    It takes the best distinct planes that the starts reach at the largest σ. From then on it starts from their optima
-    at the last σ, and from the hypotheses ranked anew, since plain warm starts follow the wrong plane where outliers
-    have a structure.
+    The paths begin with the best distinct optima that the starts reach at the largest σ. At every further σ the solver
+    starts from the paths' optima at the σ before, and from the hypotheses ranked anew: warm starts alone follow the
+    wrong plane if the outliers have a structure.
 
     Returns:
-        At every σ all optima, and which of them each start's is: its path's, or the best of the hypotheses' if that is
-        better.
+        All minima at every σ, and for every start the row of its minimum: that of its path, or the best from a
+        hypothesis if that is better.
     """
     order = jnp.argsort(-scales)
     proposed = pair_hypotheses(pairs)
-    num_paths = min(PATHS, len(starts))
+    num_paths = min(NUM_PATHS, len(starts))
     solver = make(scales[order[0]])
-    # no more of them at a time than step together elsewhere: their weights take the memory
+    # in batches no larger than those of `solve_batch`: their weights take the memory
     begun, _ = jax.lax.map(
         lambda start: solver.finish(solver.init(start)), starts, batch_size=min(NUM_SLOTS, len(starts))
     )
@@ -115,7 +119,8 @@ def _continuation(
 
     _, followed = jax.lax.scan(follow, begun.point[first], scales[order])
     back = jnp.argsort(order)
-    return jax.tree.map(lambda leaf: leaf[back], followed)
+    in_given_order: tuple[Minimum, Int[Array, "S R"]] = jax.tree.map(lambda leaf: leaf[back], followed)
+    return in_given_order
 
 
 @float64_as_given
@@ -133,31 +138,42 @@ def sweep(
     max_steps: int = MAX_STEPS,
     tol: float | None = None,
 ) -> Fit:
-    """`fit_plane` for every σ and every start, compiled once, on every device that JAX sees.
+    """Runs `fit_plane` for every σ and every start, compiled once, on all devices that JAX sees.
 
     Args:
-        x: one end of every pair.
-        y: the other end.
-        sigmas: scales σ, in the units of the points.
-        v0s: unit normals to start from; or by name, `restarts` of them: "hypotheses", at every σ the best distinct
-            planes that single pairs propose; "fibonacci", even directions; "random" ones of a `key`; or one, "rga",
-            "pca" or "l2" as in `fit_plane`.
-        restarts: number of the starts that are given by name.
-        key: of the random starts.
-        weights: nonnegative weights of the pairs.
-        solver: see `fit_plane`.
-        continuation: go from the largest σ to the smallest, each from the optima of the last. Many times cheaper.
-            The starts count at the largest σ, where the best distinct of them are taken; at every σ the hypotheses
-            are ranked again, and a start's fit is its path's optimum or the best that a hypothesis reaches, whichever
-            is better: it shows the best plane at every σ, not the basins.
-        max_steps: see `fit_plane`.
-        tol: see `fit_plane`.
+        x: one end of every pair, in any unit.
+        y: the other end, in the same unit.
+        sigmas: scales σ of the residual, in the units of the points.
+        v0s: unit normals to start from, or the name of `restarts` starts: "hypotheses", the best distinct planes
+            proposed by single pairs, ranked at every σ; "fibonacci", evenly spaced directions; "random", directions
+            drawn with `key`. The names "rga", "pca" and "l2" give one start, see `fit_plane`.
+        restarts: number of starts "hypotheses", "fibonacci" or "random".
+        key: key of the random starts, `jax.random.key(seed)`. It is required for "random" and refused otherwise.
+        weights: nonnegative weights of the pairs, by default all 1.
+        solver: solver, see `fit_plane`.
+        continuation: whether to go from the largest σ to the smallest and start from the optima of the σ before, which
+            is many times cheaper. The starts are used at the largest σ only, and the best distinct optima are followed
+            from there. The hypotheses are ranked again at every σ. The fit of a start is the optimum of its path, or
+            the best optimum reached from a hypothesis if that is better. A continuation therefore shows the best plane
+            at every σ, not the basins of attraction.
+        max_steps: limit on the steps of each fit, see `fit_plane`.
+        tol: tolerance of the gradient norm, see `fit_plane`.
 
     Returns:
-        The fits, with leading axes (S, R).
+        The fits, with leading axes (S, R): scales and starts.
 
     Raises:
-        SymjaxError: see `fit_plane`.
+        SymjaxError: if an argument is invalid, see `fit_plane`.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
+        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.02, 0.2], restarts=8)
+        >>> fits.loss.shape, symjax.best(fits).loss.shape
+        ((2, 8), (2,))
+        >>> print(pairs.normal.round(2), symjax.best(fits).plane.normal.round(2))
+        []
     """
     pairs = pad_pairs(x, y, weights)
     dtype = pairs.x.dtype
@@ -173,31 +189,42 @@ def sweep(
 def _named_normals(
     start: str | None, restarts: int, key: PRNGKeyArray | None, dtype: Any
 ) -> Float[Array, "R 3"] | None:
-    """The starting normals of a name that needs no pairs."""
+    """Returns the starting normals of "fibonacci" and "random", and None for the starts that depend on the pairs."""
     choice("v0s", start, STARTS)
     if (start == "random") != (key is not None):
-        raise InvalidArgumentError("v0s='random' takes a key, jax.random.key(seed), and no other start does")
+        raise InvalidArgumentError("v0s='random' takes a key, jax.random.key(seed), and no other start takes one")
     if start == "fibonacci":
         return jnp.asarray(fibonacci(restarts), dtype)
     return random_points(key, restarts).astype(dtype) if key is not None else None
 
 
 def sweep_clouds(clouds: Iterable[tuple[Points, Points]], *args: Any, **options: Any) -> Fit:
-    """`sweep` for the pairs of many clouds, of any sizes: few of those are compiled.
+    """Runs `sweep` for the pairs of many clouds.
+
+    The clouds may have different numbers of pairs. These are padded to powers of two, so few programs are compiled.
 
     Args:
-        clouds: pairs (x, y) of each cloud; they may come one at a time.
-        *args: of `sweep`.
-        **options: of `sweep`.
+        clouds: the pairs (x, y) of each cloud, in a list or a generator.
+        *args: `sigmas`, and optionally `v0s`, of `sweep`.
+        **options: options of `sweep`.
 
     Returns:
-        The fits, with leading axes (C, S, R).
+        The fits, with leading axes (C, S, R): clouds, scales and starts.
 
     Raises:
-        SymjaxError: see `sweep`; and where there is no cloud.
+        SymjaxError: if an argument is invalid, see `sweep`, or if `clouds` is empty.
+
+    Example:
+        >>> import numpy as np, symjax
+        >>> from symjax.datasets.planted_pairs import planted_pairs
+        >>> clouds = [planted_pairs(np.random.default_rng(0), num, outliers=0.4) for num in (50, 100)]
+        >>> fits = symjax.sweep_clouds([(p.x, p.y) for p in clouds], [0.02, 0.2], restarts=8)
+        >>> fits.loss.shape, symjax.best(fits).loss.shape
+        ((2, 2, 8), (2, 2))
     """
     fits = [sweep(x, y, *args, **options) for x, y in clouds]
     if not fits:
-        raise InvalidArgumentError("there is no cloud to sweep")
+        raise InvalidArgumentError("clouds is empty: pass the pairs (x, y) of at least one cloud")
     # NumPy's float64 fits stay in NumPy
-    return jax.tree.map(lambda *leaves: leaves[0].__array_namespace__().stack(leaves), *fits)
+    stacked: Fit = jax.tree.map(lambda *leaves: leaves[0].__array_namespace__().stack(leaves), *fits)
+    return stacked

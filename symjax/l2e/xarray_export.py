@@ -1,4 +1,4 @@
-"""A sweep as a labelled dataset (xarray, which is an extra)."""
+"""Converts a sweep to a labelled dataset of xarray, which is an optional dependency."""
 
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -15,43 +15,46 @@ if TYPE_CHECKING:
 
 
 DIMENSIONS = ("cloud", "sigma", "restart")
-"""Those of `sweep_clouds`; `sweep` has no clouds."""
+"""Dimensions of `sweep_clouds`; `sweep` has the last two."""
 
 ULPS = 64
-"""σ is scaled and scaled back for every cloud: values this near, in units of rounding, are one σ."""
+"""Values of σ that differ by at most this many units of rounding count as equal: every cloud scales σ and back."""
 
 _MEANING = {
     "offset": ("distance of the plane from the origin along the normal", "units of the points"),
     "loss": ("L2E loss at the plane", "units of the points to the power -3"),
     "num_steps": ("steps of the solver", "1"),
-    "grad_norm": ("norm of the Riemannian gradient, the points scaled to unit radius", "1"),
-    "inlier_fraction": ("share of mirror pairs, if sigma is the scale of their residual", "1"),
+    "grad_norm": ("norm of the Riemannian gradient, with the points scaled to unit radius", "1"),
+    "inlier_fraction": ("fraction of inliers, if sigma is the scale of their residual", "1"),
 }
 
 
 def require_xarray() -> None:
-    """Raises InvalidArgumentError where xarray is not installed."""
+    """Raises InvalidArgumentError if xarray is not installed."""
     if find_spec("xarray") is None:
         raise InvalidArgumentError(
             'a dataset needs xarray, which is not installed: pip install "xarray>=2024.1", '
-            'or symjax with its extra, pip install ".[sweep]" in the checkout'
+            'or install symjax with its extra, pip install ".[sweep]" in the checkout'
         )
 
 
 def dataset(fit: Any) -> "xarray.Dataset":
-    """The fits of a sweep as a dataset that netCDF can hold (`to_netcdf(path, engine="scipy")`).
+    """Converts the fits of a sweep to a dataset that can be saved as netCDF (`to_netcdf(path, engine="scipy")`).
 
-    Dimensions are (sigma, restart), or (cloud, sigma, restart) of `sweep_clouds`. The variables are those of `Fit`:
-    the plane is `normal` (along `xyz`) and `offset`, its start `start_normal` and `start_offset` (a continuation has
-    none), and how a solve ended `converged` and `status`, a number that its attributes explain. σ is the coordinate
-    `sigma`; where it differs between clouds, that dimension has no coordinate of its own, and σ is the coordinate
-    `scale` along (cloud, sigma).
+    The dimensions are (sigma, restart), or (cloud, sigma, restart) for `sweep_clouds`. The variables hold the fields of
+    `Fit`. The plane is `normal` (along the dimension `xyz`) and `offset`. Its start is `start_normal` and
+    `start_offset`, which a continuation does not have. `converged` and `status` say how the solver ended; the
+    attributes of `status` explain its numbers. σ is the coordinate `sigma`. If σ differs between clouds, the dimension
+    `sigma` has no coordinate, and σ is the coordinate `scale` along (cloud, sigma).
 
     Args:
         fit: a `Fit` with axes (S, R) or (C, S, R).
 
+    Returns:
+        The dataset.
+
     Raises:
-        InvalidArgumentError: other axes, σ that differs between restarts, or no xarray.
+        InvalidArgumentError: if the fit has other axes, if σ differs between restarts, or if xarray is not installed.
     """
     require_xarray()
     import xarray
@@ -59,7 +62,7 @@ def dataset(fit: Any) -> "xarray.Dataset":
     shape = fit.loss.shape
     if len(shape) not in (2, 3):
         raise InvalidArgumentError(
-            f"fits with axes {shape} are no sweep: a dataset takes (sigma, restart) or (cloud, sigma, restart)"
+            f"fits with axes {shape} are not a sweep: the axes must be (sigma, restart) or (cloud, sigma, restart)"
         )
     dims = DIMENSIONS[-len(shape) :]
     values = {name: np.asarray(getattr(fit, name)) for name in _MEANING if name != "offset"}
@@ -74,10 +77,10 @@ def dataset(fit: Any) -> "xarray.Dataset":
         "status": (dims, np.asarray(fit.status).astype(np.int8), _flags()),
     }
     if fit.start is not None:
-        of_start = {"long_name": "unit normal of the plane that the solver began with"}
-        variables["start_normal"] = ((*dims, "xyz"), np.asarray(fit.start.normal), of_start)
-        of_start = {"long_name": "offset of that plane", "units": "units of the points"}
-        variables["start_offset"] = (dims, np.asarray(fit.start.offset), of_start)
+        attributes = {"long_name": "unit normal of the plane that the solver began with"}
+        variables["start_normal"] = ((*dims, "xyz"), np.asarray(fit.start.normal), attributes)
+        attributes = {"long_name": "offset of the plane that the solver began with", "units": "units of the points"}
+        variables["start_offset"] = (dims, np.asarray(fit.start.offset), attributes)
     coordinates: dict[str, Any] = {name: np.arange(size) for name, size in zip(dims, shape, strict=True)}
     del coordinates["sigma"]
     coordinates["xyz"] = ["x", "y", "z"]
@@ -86,9 +89,9 @@ def dataset(fit: Any) -> "xarray.Dataset":
 
 
 def _flags() -> dict[str, Any]:
-    """What the numbers of `status` mean, as the CF conventions write it, and in sentences."""
+    """Returns attributes that explain the numbers of `status`, by the CF conventions and in sentences."""
     return {
-        "long_name": "how the solve ended",
+        "long_name": "how the solver ended",
         "flag_values": np.array(list(Status), np.int8),
         "flag_meanings": " ".join(member.name.lower() for member in Status),
         "comment": "\n".join(f"{member.name.lower()}: {member.sentence}" for member in Status),
@@ -96,16 +99,16 @@ def _flags() -> dict[str, Any]:
 
 
 def _scales(sigma: Float[np.ndarray, "*batch"]) -> dict[str, Any]:
-    """The coordinate of σ, to the digits that its type holds, so that a decimal fraction is found as it was given."""
-    rounding = np.finfo(sigma.dtype)
+    """Returns σ as a coordinate, rounded to the digits of its type so that a decimal fraction is selected as given."""
+    precision = np.finfo(sigma.dtype)
     low, high = sigma.min(axis=-1), sigma.max(axis=-1)
-    if (high - low > ULPS * rounding.eps * high).any():
-        raise InvalidArgumentError("sigma differs between the restarts of a sweep: these fits are none")
-    digits = rounding.precision
-    shown = np.array([float(f"{value:.{digits}g}") for value in high.ravel()], sigma.dtype).reshape(high.shape)
+    if (high - low > ULPS * precision.eps * high).any():
+        raise InvalidArgumentError("sigma differs between the restarts: these fits do not come from one sweep")
+    digits = precision.precision
+    rounded = np.array([float(f"{value:.{digits}g}") for value in high.ravel()], sigma.dtype).reshape(high.shape)
     meaning = {"long_name": "scale of the residual", "units": "units of the points"}
-    if shown.ndim == 1:
-        return {"sigma": ("sigma", shown, meaning)}
-    if (np.ptp(high, axis=0) <= ULPS * rounding.eps * high.max(axis=0)).all():
-        return {"sigma": ("sigma", shown[0], meaning)}
-    return {"scale": (("cloud", "sigma"), shown, meaning)}
+    if rounded.ndim == 1:
+        return {"sigma": ("sigma", rounded, meaning)}
+    if (np.ptp(high, axis=0) <= ULPS * precision.eps * high.max(axis=0)).all():
+        return {"sigma": ("sigma", rounded[0], meaning)}
+    return {"scale": (("cloud", "sigma"), rounded, meaning)}

@@ -1,5 +1,5 @@
-"""The estimator's pairs, from the caller's arrays to the solvers.
+"""The estimator's pairs, from the caller's arrays to the form that the solvers take.
 
-`arguments` checks what is given, `padded` pads it to one of few sizes, and `normalised` centres and scales it to unit
-radius.
+`arguments` checks the arrays, `padded` pads them to one of few sizes, and `normalised` centres them and scales them to
+unit radius.
 """

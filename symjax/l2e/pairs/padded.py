@@ -1,4 +1,4 @@
-"""Pairs as they are given: checked, and padded so that few sizes are compiled."""
+"""Pairs in the units of the points, checked and padded so that JAX compiles for few sizes."""
 
 from typing import Any, NamedTuple
 
@@ -10,17 +10,17 @@ from jaxtyping import Array, Float, Int
 from symjax.l2e.pairs.arguments import Points, Weights, checked_pairs, checked_weights
 
 LEAST_SIZE = 256
-"""Pairs are padded to this or the next power of two."""
+"""Smallest size that pairs are padded to; larger sets are padded to the next power of two."""
 
 
 class PaddedPairs(NamedTuple):
-    """Pairs, padded.
+    """Pairs followed by padding.
 
     Attributes:
         x: one end of every pair, in the units of the points.
         y: the other end.
-        weights: of the pairs; 0 in padding.
-        used: how many pairs are no padding.
+        weights: weights of the pairs; 0 in padding.
+        used: number of pairs without padding.
     """
 
     x: Float[Array, "b 3"]
@@ -30,18 +30,18 @@ class PaddedPairs(NamedTuple):
 
 
 def padded_size(num: int, least: int = LEAST_SIZE) -> int:
-    """The size that `num` pairs are padded to, a power of two or the least."""
+    """Returns the size that `num` pairs are padded to: the next power of two, and at least `least`."""
     return max(least, 1 << (num - 1).bit_length())
 
 
 def pad_pairs(x: Points, y: Points, weights: Weights | None) -> PaddedPairs:
-    """Checks pairs and pads them.
+    """Checks pairs and weights, and pads them.
 
-    What lies on the host is padded in NumPy, and stays there until a compiled function takes it: JAX would compile the
-    padding of every size. What lies on a device stays on it.
+    Arrays on the host are padded by NumPy, because JAX would compile the padding for every size. They stay on the host
+    until a compiled function takes them. Arrays on a device stay on the device.
 
     Raises:
-        SymjaxError: see `symjax.l2e.pairs.arguments`.
+        SymjaxError: if an argument is invalid, see `symjax.l2e.pairs.arguments`.
     """
     x, y = checked_pairs(x, y)
     w = checked_weights(weights, len(x), x.dtype)

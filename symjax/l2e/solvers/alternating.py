@@ -1,4 +1,4 @@
-"""Algorithm 1 of the paper: ω and v in turn."""
+"""Algorithm 1 of the paper: alternating minimisation over ω and v."""
 
 from collections.abc import Callable
 from typing import Any, cast
@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from symjax.l2e.jax_config import full_precision
 from symjax.l2e.manifolds import SPHERE, SPHERE_LINE
-from symjax.l2e.solvers.base import Minimum, Progress, Solver, norm, solve, solver_of
+from symjax.l2e.solvers.base import Minimum, Progress, Solver, iterative_solver, norm, solve
 from symjax.l2e.solvers.rbfgs import minimise
 
 INNER_STEPS = 64  # limit on the steps of one inner solve
@@ -20,60 +21,62 @@ def alternation(
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
 ) -> Solver:
-    """Minimises over ω by BFGS given v, then over v by Riemannian BFGS given ω, until both gradients vanish.
+    """Makes a solver that minimises over ω by BFGS and over v by Riemannian BFGS in turn (Algorithm 1 of the paper).
 
-    Algorithm 1 of the paper. It converges linearly, and many times more slowly than Riemannian BFGS of both at once.
+    It stops when both gradients vanish. It converges linearly, and many times more slowly than Riemannian BFGS over
+    both variables.
 
     Args:
         fun: function of z = (v, ω) on S² × R.
         max_steps: limit on the rounds.
-        tol: bound on the norm of the joint Riemannian gradient.
+        tol: tolerance of the norm of the joint Riemannian gradient.
 
     Returns:
-        The solver; its steps are rounds.
+        The solver. Its steps are rounds.
     """
-    # imported where it is used: `import symjax` stays cheap
+    # imported here to keep `import symjax` fast
     import optimistix as optx
 
     value_and_grad = jax.value_and_grad(fun)
-    # annotated loosely: optimistix types atol as a float, and takes a traced one
+    # cast, because optimistix annotates atol as float but accepts a traced one
     omega_solver: Any = optx.BFGS(rtol=0.0, atol=cast(float, 0.5 * tol))
 
-    def joint(z: Float[Array, " 4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    def value_and_grad_norm(z: Float[Array, " 4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
         value, grad = value_and_grad(z)
         return value, norm(SPHERE_LINE.project(z, grad))
 
-    @jax.default_matmul_precision("highest")
+    @full_precision
     def round_(last: Progress) -> Progress:
         z = last.point
         v = z[:3]
-        # throw=False: under vmap one solve that runs out of steps must not fail the others
-        along_the_normal: Any = optx.minimise(
+        # throw=False, because under vmap a solve that reaches max_steps must not make the others fail
+        over_omega: Any = optx.minimise(
             lambda omega, _: fun(jnp.append(v, omega)),
             omega_solver,
             z[3],
             max_steps=INNER_STEPS,
             throw=False,
         )
-        omega = along_the_normal.value
-        inner = minimise(
+        omega = over_omega.value
+        over_v = minimise(
             lambda v: fun(jnp.append(v, omega)),
             v,
             manifold=SPHERE,
             max_steps=INNER_STEPS,
             tol=0.5 * tol,
         )
-        new = jnp.append(inner.point, omega)
-        new_value, grad_norm = joint(new)
+        new = jnp.append(over_v.point, omega)
+        new_value, grad_norm = value_and_grad_norm(new)
         return Progress(new, new_value, grad_norm, last.num_steps + 1, jnp.all(new == z))
 
     def init(z0: Float[Array, " 4"]) -> Progress:
-        return Progress(z0, *joint(z0), jnp.asarray(0), jnp.asarray(False))
+        return Progress(z0, *value_and_grad_norm(z0), jnp.asarray(0), jnp.asarray(False))
 
-    return solver_of(init, round_, lambda last: last, max_steps=max_steps, tol=tol)
+    return iterative_solver(init, round_, lambda last: last, max_steps=max_steps, tol=tol)
 
 
-@jax.default_matmul_precision("highest")
+@full_precision
 def alternate(fun: Callable[[Float[Array, " 4"]], Float[Array, ""]], z0: Float[Array, " 4"], **options: Any) -> Minimum:
-    """Minimises from one start by the `alternation`, which documents the options; `num_steps` counts rounds."""
-    return solve(alternation(fun, **options), z0)
+    """Minimises from one start by `alternation`, which documents the options. `num_steps` counts rounds."""
+    minimum: Minimum = solve(alternation(fun, **options), z0)
+    return minimum

@@ -1,10 +1,11 @@
-"""What a solver is: how it starts, whether it goes on, one step, and what it has found."""
+"""The interface of the solvers, the loop that runs them, and how a solve ends."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from symjax.l2e.status import Status
@@ -12,18 +13,18 @@ from symjax.l2e.status import Status
 State = Any
 
 ROUNDING = 32.0
-"""Units of rounding, of ψ or 1, within which two values are equal: exponents are sums of larger terms."""
+"""Values of ψ within this many units of rounding (of ψ or 1) count as equal: exponents are sums of larger terms."""
 
 
 class Minimum(NamedTuple):
-    """What a solver has found.
+    """The result of a solver.
 
     Attributes:
-        point: the point found.
-        value: the function there.
+        point: the minimiser.
+        value: value of the function there.
         grad_norm: norm of the Riemannian gradient there.
-        num_steps: steps taken.
-        status: how the solve ended, the number of a `Status`.
+        num_steps: number of steps taken.
+        status: how the solver ended, as the number of a `Status`.
     """
 
     point: Float[Array, " d"]
@@ -34,14 +35,14 @@ class Minimum(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Where a solver stands.
+    """The progress of a solver.
 
     Attributes:
         point: the best point so far.
-        value: the function there.
+        value: value of the function there.
         grad_norm: norm of the Riemannian gradient there.
-        num_steps: steps taken.
-        stalled: whether the last step found nothing lower.
+        num_steps: number of steps taken.
+        stalled: whether the last step found no lower value.
     """
 
     point: Float[Array, " d"]
@@ -52,11 +53,11 @@ class Progress(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """When a solver stops.
+    """The stopping rule of a solver.
 
     Attributes:
         max_steps: limit on the steps.
-        tol: bound on the norm of the Riemannian gradient.
+        tol: tolerance of the norm of the Riemannian gradient.
     """
 
     max_steps: Int[Array, ""] | int
@@ -64,22 +65,22 @@ class Limits(NamedTuple):
 
 
 class Solver(NamedTuple):
-    """A solver as its parts, so that one loop runs any of them, for one start or for many.
+    """A solver as four functions, so that one loop runs any solver, from one start or from many.
 
     Attributes:
         init: start -> state.
-        going: state -> whether another step is to be taken.
+        should_continue: state -> whether to take another step.
         step: state -> the next state.
-        finish: state -> the minimum (and what else is to be kept).
+        finish: state -> the `Minimum` (or a tuple that begins with it, see `with_start`).
     """
 
     init: Callable[[Float[Array, " d"]], State]
-    going: Callable[[State], Bool[Array, ""]]
+    should_continue: Callable[[State], Bool[Array, ""]]
     step: Callable[[State], State]
     finish: Callable[[State], Any]
 
 
-def solver_of(
+def iterative_solver(
     init: Callable[[Float[Array, " d"]], State],
     step: Callable[[State], State],
     progress: Callable[[State], Progress],
@@ -87,27 +88,27 @@ def solver_of(
     max_steps: int | Int[Array, ""],
     tol: float | Float[Array, ""],
 ) -> Solver:
-    """The solver that steps until its gradient is within tol, nothing lower is found, or its steps are used up."""
+    """Makes a solver that steps until the gradient is within tol, it stalls, or it reaches max_steps."""
 
-    def going(state: State) -> Bool[Array, ""]:
-        at = progress(state)
-        far = jnp.isfinite(at.value) & (at.grad_norm > tol)
-        return far & (at.num_steps < max_steps) & ~at.stalled
+    def should_continue(state: State) -> Bool[Array, ""]:
+        current = progress(state)
+        unconverged = jnp.isfinite(current.value) & (current.grad_norm > tol)
+        return unconverged & (current.num_steps < max_steps) & ~current.stalled
 
     def finish(state: State) -> Minimum:
         point, value, grad_norm, num_steps, stalled = progress(state)
-        return Minimum(point, value, grad_norm, num_steps, ending(grad_norm, tol, value, stalled))
+        return Minimum(point, value, grad_norm, num_steps, final_status(grad_norm, tol, value, stalled))
 
-    return Solver(init, going, step, finish)
+    return Solver(init, should_continue, step, finish)
 
 
 def solve(solver: Solver, start: Float[Array, " d"]) -> Any:
-    """Runs a solver from one start; gives what its `finish` gives."""
-    return solver.finish(jax.lax.while_loop(solver.going, solver.step, solver.init(start)))
+    """Runs a solver from one start and returns the result of its `finish`."""
+    return solver.finish(jax.lax.while_loop(solver.should_continue, solver.step, solver.init(start)))
 
 
 def with_start(solver: Solver, point_of: Callable[[Float[Array, " s"]], Float[Array, " d"]]) -> Solver:
-    """A solver that begins at `point_of(start)`, and that finishes with the minimum and this point."""
+    """Makes a solver begin at `point_of(start)` and return the minimum together with this point."""
 
     def init(start: Float[Array, " s"]) -> State:
         point = point_of(start)
@@ -115,29 +116,29 @@ def with_start(solver: Solver, point_of: Callable[[Float[Array, " s"]], Float[Ar
 
     return Solver(
         init=init,
-        going=lambda state: solver.going(state[0]),
+        should_continue=lambda state: solver.should_continue(state[0]),
         step=lambda state: (solver.step(state[0]), state[1]),
         finish=lambda state: (solver.finish(state[0]), state[1]),
     )
 
 
 def norm(u: Float[Array, " d"]) -> Float[Array, ""]:
-    """Euclidean length, summed elementwise: `jnp.linalg.norm` of float32 runs in TF32 on some devices."""
+    """Computes ‖u‖ elementwise, because `jnp.linalg.norm` of float32 runs in TF32 on some devices."""
     return jnp.sqrt(jnp.sum(u * u))
 
 
-def is_level(
+def reduces_gradient_only(
     value: Float[Array, ""], grad_norm: Float[Array, ""], last_value: Float[Array, ""], last_grad_norm: Float[Array, ""]
 ) -> Bool[Array, ""]:
-    """Whether a step changed the value by no more than its rounding, and made the gradient smaller."""
-    rounding = ROUNDING * jnp.finfo(value.dtype).eps * jnp.maximum(jnp.abs(last_value), 1)
+    """Returns whether a step reduced the gradient, and changed the value by no more than its rounding error."""
+    rounding = ROUNDING * np.finfo(value.dtype).eps * jnp.maximum(jnp.abs(last_value), 1)
     return (jnp.abs(last_value - value) <= rounding) & (grad_norm < last_grad_norm)
 
 
-def ending(
+def final_status(
     grad_norm: Float[Array, ""], tol: float | Float[Array, ""], value: Float[Array, ""], stalled: Bool[Array, ""]
 ) -> Int[Array, ""]:
-    """The status of a solve from its last gradient norm, value, and whether its last step found nothing lower."""
+    """Returns the status of a solve that ended with this gradient norm and value, and stalled or not."""
     status = jnp.where(stalled, jnp.int32(Status.STALLED), jnp.int32(Status.MAX_STEPS_REACHED))
     status = jnp.where(grad_norm <= tol, jnp.int32(Status.SUCCESSFUL), status)
     return jnp.where(jnp.isfinite(value) & jnp.isfinite(grad_norm), status, jnp.int32(Status.NONFINITE))

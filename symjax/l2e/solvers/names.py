@@ -1,4 +1,4 @@
-"""The solvers' names, and the check of what a caller gives as a solver. No JAX is needed to read them."""
+"""The names of the solvers, and the check of a `solver` argument. This module does not import JAX."""
 
 import sys
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -9,11 +9,11 @@ from symjax.geometry.checks import choice
 if TYPE_CHECKING:
     from optimistix import AbstractMinimiser
 
-    AnySolver: TypeAlias = str | AbstractMinimiser
+    AnySolver: TypeAlias = str | AbstractMinimiser[Any, Any, Any]
 else:
     # optimistix would import JAX
     AnySolver = Any
-"""A solver by name, or a minimiser of optimistix."""
+"""The name of a solver, or an optimistix minimiser."""
 
 SOLVER_NAMES = ("newton", "irls", "rbfgs", "alternating")
 
@@ -21,27 +21,27 @@ _RENAMED = {"joint": "rbfgs", "mm": "irls"}
 
 
 def is_external(solver: Any) -> bool:
-    """Whether the solver is a minimiser of optimistix: there is none before optimistix is imported."""
+    """Returns whether the solver is an optimistix minimiser. It cannot be one before optimistix is imported."""
     optimistix = sys.modules.get("optimistix")
     return optimistix is not None and isinstance(solver, optimistix.AbstractMinimiser)
 
 
 def check_solver(solver: Any) -> None:
-    """Refuses what is no solver.
+    """Checks that a solver is one of `SOLVER_NAMES`, or an optimistix minimiser without arrays.
 
     Raises:
-        InvalidArgumentError: unless it is one of `SOLVER_NAMES`, or a minimiser of optimistix that holds no arrays.
+        InvalidArgumentError: if it is not.
     """
     if is_external(solver):
         try:
             hash(solver)
         except TypeError as problem:
             raise InvalidArgumentError(
-                "a minimiser of optimistix is compiled for its options: give them as numbers, not as arrays"
+                "the options of an optimistix minimiser are compiled in: pass them as numbers, not as arrays"
             ) from problem
         return
     if not isinstance(solver, str):
-        raise InvalidArgumentError(f"solver {solver!r} is neither a name nor a minimiser of optimistix")
+        raise InvalidArgumentError(f"solver {solver!r} is neither a name nor an optimistix minimiser")
     if solver in _RENAMED:
         raise InvalidArgumentError(f"solver {solver!r} is now called {_RENAMED[solver]!r}")
     choice("solver", solver, SOLVER_NAMES)

@@ -7,31 +7,31 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from symjax.l2e.criterion import Expansion, reweighted
+from symjax.l2e.criterion import Expansion, mm_step
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.solvers import small_eigh
-from symjax.l2e.solvers.base import Progress, Solver, is_level, norm, solver_of
+from symjax.l2e.solvers.base import Progress, Solver, iterative_solver, norm, reduces_gradient_only
 
 FIRST_RADIUS = 0.5  # radians, and radii of the cloud
 MAX_RADIUS = 1.0
-LEAST_CURVATURE = 1e-9  # of a direction: the trust region bounds the step anyway
-DECREASE = 1e-4  # share of the predicted decrease that a step must bring
-POOR, GOOD = 0.25, 0.75  # shares at which the trust region shrinks and grows
-FAR_SHARE = 0.25  # an MM step of this share of the Newton step is preferred where ψ curves down
+MIN_CURVATURE = 1e-9  # smaller eigenvalues count as this one; the trust region bounds the step anyway
+MIN_DECREASE_RATIO = 1e-4  # actual to predicted decrease, at which a step is accepted
+POOR_RATIO, GOOD_RATIO = 0.25, 0.75  # actual to predicted decrease, at which the trust region shrinks and grows
+MM_LENGTH_RATIO = 0.25  # at negative curvature an MM step is taken if it is this long, relative to the Newton step
 
 
 class State(NamedTuple):
     """State of the solver.
 
     Attributes:
-        at: ψ to second order about the best point.
-        radius: of the trust region, in the tangent chart.
-        rejected: the last step was, so the next is an MM step.
-        k: steps taken.
-        stalled: an MM step was rejected: nothing lower is to be found.
+        best: second-order expansion of ψ about the best point.
+        radius: radius of the trust region, in the tangent chart.
+        rejected: whether the last step was rejected. The next step is then an MM step.
+        k: number of steps taken.
+        stalled: whether an MM step was rejected. Then no lower value can be found.
     """
 
-    at: Expansion
+    best: Expansion
     radius: Float[Array, ""]
     rejected: Bool[Array, ""]
     k: Int[Array, ""]
@@ -41,61 +41,63 @@ class State(NamedTuple):
 def newton(
     expand: Callable[[Float[Array, " d"]], Expansion], *, max_steps: int | Int[Array, ""], tol: float | Float[Array, ""]
 ) -> Solver:
-    """Newton's method on S² × R with the exact Hessian, safeguarded.
+    """Minimises by Newton's method on S² × R with the exact Hessian, a trust region and MM steps.
 
-    Where the Hessian is indefinite, each eigenvalue counts by its size (the saddle-free Newton step) unless an MM
-    step goes about as far; a rejected step is followed by an MM step from the best point, which cannot fail but by
-    rounding. One pass over the pairs a step.
+    If the Hessian is indefinite, the step uses the absolute values of the eigenvalues (saddle-free Newton), unless the
+    MM step is about as long. A rejected step is followed by an MM step from the best point, which fails only by
+    rounding. Every step takes one pass over the pairs.
 
     Args:
-        expand: gives what is minimised to second order about a point of S² × R (or S² × R²), and the MM step there.
+        expand: returns the second-order expansion about a point of S² × R (or S² × R²), which determines the MM step.
         max_steps: limit on the steps.
-        tol: bound on the norm of the Riemannian gradient.
+        tol: tolerance of the norm of the Riemannian gradient.
     """
 
     def init(start: Float[Array, " d"]) -> State:
-        at = expand(start)
-        return State(at, jnp.full_like(at.value, FIRST_RADIUS), jnp.asarray(False), jnp.asarray(0), jnp.asarray(False))
+        first = expand(start)
+        radius = jnp.full_like(first.value, FIRST_RADIUS)
+        return State(first, radius, jnp.asarray(False), jnp.asarray(0), jnp.asarray(False))
 
     def step(state: State) -> State:
-        at = state.at
-        (values, vectors), least_squares = _eigen(at)
-        along = jnp.sum(vectors * at.gradient[:, None], axis=0)
-        t = -jnp.sum(vectors * (along / jnp.maximum(jnp.abs(values), LEAST_CURVATURE))[None, :], axis=1)
+        last = state.best
+        (values, vectors), scatter_eigen = _eigen(last)
+        slopes = jnp.sum(vectors * last.gradient[:, None], axis=0)
+        t = -jnp.sum(vectors * (slopes / jnp.maximum(jnp.abs(values), MIN_CURVATURE))[None, :], axis=1)
         length = norm(t)
         t = t * jnp.minimum(1, state.radius / jnp.where(length > 0, length, 1))
-        short = jnp.minimum(length, state.radius)
-        bent = jnp.sum(at.hessian * t[None, :], axis=1)
-        predicted = -jnp.sum(t * (at.gradient + 0.5 * bent))
+        length = jnp.minimum(length, state.radius)
+        hessian_t = jnp.sum(last.hessian * t[None, :], axis=1)
+        predicted = -jnp.sum(t * (last.gradient + 0.5 * hessian_t))
 
-        again = reweighted(at, *least_squares)
-        leap = (jnp.min(values) <= 0) & (norm(again - at.point) > FAR_SHARE * short)
-        reweight = state.rejected | leap
-        new = expand(jnp.where(reweight, again, SPHERE_LINE.retract(at.point, _tangent(at.point, t))))
+        mm_point = mm_step(last, *scatter_eigen)
+        mm_is_long = (jnp.min(values) <= 0) & (norm(mm_point - last.point) > MM_LENGTH_RATIO * length)
+        use_mm = state.rejected | mm_is_long
+        new = expand(jnp.where(use_mm, mm_point, SPHERE_LINE.retract(last.point, _tangent(last.point, t))))
 
-        decrease = at.value - new.value
-        enough = (decrease > 0) & (decrease >= jnp.where(reweight, 0, DECREASE * predicted))
-        accepted = enough | is_level(new.value, norm(new.gradient), at.value, norm(at.gradient))
+        decrease = last.value - new.value
+        enough = (decrease > 0) & (decrease >= jnp.where(use_mm, 0, MIN_DECREASE_RATIO * predicted))
+        accepted = enough | reduces_gradient_only(new.value, norm(new.gradient), last.value, norm(last.gradient))
 
-        share = decrease / jnp.where(predicted > 0, predicted, 1)
-        grown = jnp.where(share > GOOD, jnp.minimum(2 * state.radius, MAX_RADIUS), state.radius)
-        radius = jnp.where(share < POOR, 0.5 * short, grown)
-        radius = jnp.where(reweight, state.radius, jnp.where(accepted, radius, 0.25 * short))
-        best = jax.tree.map(lambda a, b: jnp.where(accepted, a, b), new, at)
-        return State(best, radius, ~accepted, state.k + 1, reweight & ~accepted)
+        ratio = decrease / jnp.where(predicted > 0, predicted, 1)
+        grown = jnp.where(ratio > GOOD_RATIO, jnp.minimum(2 * state.radius, MAX_RADIUS), state.radius)
+        radius = jnp.where(ratio < POOR_RATIO, 0.5 * length, grown)
+        radius = jnp.where(use_mm, state.radius, jnp.where(accepted, radius, 0.25 * length))
+        best = jax.tree.map(lambda a, b: jnp.where(accepted, a, b), new, last)
+        return State(best, radius, ~accepted, state.k + 1, use_mm & ~accepted)
 
     def progress(state: State) -> Progress:
-        at = state.at
-        return Progress(at.point, at.value, norm(at.gradient), state.k, state.stalled)
+        best = state.best
+        return Progress(best.point, best.value, norm(best.gradient), state.k, state.stalled)
 
-    return solver_of(init, step, progress, max_steps=max_steps, tol=tol)
+    return iterative_solver(init, step, progress, max_steps=max_steps, tol=tol)
 
 
-def _eigen(at: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Eigenvalues and eigenvectors of the Hessian and of the scatter: of one size, they are one computation."""
-    if at.hessian.shape != at.scatter.shape:
-        return small_eigh.eigh(at.hessian), small_eigh.eigh(at.scatter)
-    values, vectors = jax.vmap(small_eigh.eigh)(jnp.stack([at.hessian, at.scatter]))
+def _eigen(expansion: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Computes eigenvalues and eigenvectors of the Hessian and the scatter, together if they have the same size."""
+    hessian, scatter = expansion.hessian, expansion.scatter
+    if hessian.shape != scatter.shape:
+        return small_eigh.eigh(hessian), small_eigh.eigh(scatter)
+    values, vectors = jax.vmap(small_eigh.eigh)(jnp.stack([hessian, scatter]))
     return (values[0], vectors[0]), (values[1], vectors[1])
 
 

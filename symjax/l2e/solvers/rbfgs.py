@@ -7,15 +7,16 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from symjax.l2e.jax_config import full_precision
 from symjax.l2e.manifolds import Manifold
-from symjax.l2e.solvers.base import Minimum, Progress, Solver, norm, solve, solver_of
+from symjax.l2e.solvers.base import Minimum, Progress, Solver, iterative_solver, norm, solve
 from symjax.l2e.solvers.line_search import Trial, armijo
 
-FIRST_STEP = 0.1  # radians: a longer first step, the Hessian unknown, leaps out of the start's basin
-MAX_LENGTH = 0.5  # radians: no later step is longer
+FIRST_STEP = 0.1  # in radians: before the Hessian is known, a longer step leaves the basin of the start
+MAX_STEP = 0.5  # in radians: limit on the length of all later steps
 CAUTION = 1e-4  # Manopt's constant of the cautious update
-GROWTH = 3.0  # of the inverse Hessian at negative curvature, where unscaled steps would crawl
-ORTHOGONAL = 1e-6  # a direction this near to a level line is replaced by steepest descent
+GROWTH = 3.0  # factor of the inverse Hessian at negative curvature, without which steps would stay short
+ORTHOGONAL = 1e-6  # a direction whose cosine with −grad f is smaller is replaced by steepest descent
 
 
 class State(NamedTuple):
@@ -25,9 +26,9 @@ class State(NamedTuple):
         z_k: point on the manifold, in ambient coordinates.
         f_k: value at z_k.
         g_k: Riemannian gradient at z_k.
-        H_k: inverse Hessian in ambient coordinates; only its tangent part acts.
-        k: steps taken.
-        stalled: the last line search failed.
+        H_k: approximate inverse Hessian in ambient coordinates; only its tangent part acts.
+        k: number of steps taken.
+        stalled: whether the last line search failed.
     """
 
     z_k: Float[Array, " d"]
@@ -45,25 +46,37 @@ def riemannian_bfgs(
     max_steps: int | Int[Array, ""] = 200,
     tol: float | Float[Array, ""] = 1e-10,
 ) -> Solver:
-    """Riemannian BFGS for a function on a manifold.
+    """Makes a Riemannian BFGS solver for a function on a manifold (the paper's Manifold-BFGS).
 
-    The inverse Hessian stays in ambient coordinates and moves with the point by an isometric transport,
-    H ← T H Tᵀ; it is updated only where ⟨s, y⟩/⟨s, s⟩ ≥ 1e-4‖grad f‖ (the cautious update), and scaled by
-    ⟨s, y⟩/⟨y, y⟩ before the first. The paper's Manifold-BFGS. Reference: Huang, Gallivan, Absil, "A Broyden
-    class of quasi-Newton methods for Riemannian optimization", SIAM J. Optim. 25 (2015).
+    The inverse Hessian H is kept in ambient coordinates and follows the point by an isometric transport, H ← T H Tᵀ. It
+    is updated only if ⟨s, y⟩/⟨s, s⟩ ≥ 1e-4‖grad f‖ (the cautious update), and scaled by ⟨s, y⟩/⟨y, y⟩ before the first
+    update. Reference: Huang, Gallivan, Absil, "A Broyden class of quasi-Newton methods for Riemannian optimization",
+    SIAM J. Optim. 25 (2015).
 
     Args:
-        fun: differentiable function of a point in ambient coordinates; best scaled to a Hessian of order one.
+        fun: differentiable function of a point in ambient coordinates, preferably scaled to a Hessian of order one.
         manifold: `symjax.l2e.manifolds.SPHERE` or `SPHERE_LINE`.
         max_steps: limit on the steps.
-        tol: bound on the norm of the Riemannian gradient.
+        tol: tolerance of the norm of the Riemannian gradient.
 
     Returns:
-        The solver; its starts are points on the manifold.
+        The solver. `symjax.l2e.solvers.base.solve` runs it from one start, a point on the manifold, and
+        `symjax.l2e.solvers.batched.solve_batch` from many.
+
+    Example:
+        The minimiser of vᵀHv on the sphere is the eigenvector of the least eigenvalue:
+
+        >>> import jax.numpy as jnp
+        >>> from symjax.l2e.manifolds import SPHERE
+        >>> from symjax.l2e.solvers.base import solve
+        >>> solver = riemannian_bfgs(lambda v: v[0] ** 2 + 2 * v[1] ** 2 + 3 * v[2] ** 2, manifold=SPHERE, tol=1e-5)
+        >>> minimum = solve(solver, jnp.array([0.6, 0.64, 0.48]))
+        >>> print(abs(minimum.point[0]).round(3), minimum.value.round(3))
+        1.0 1.0
     """
     value_and_grad = jax.value_and_grad(fun)
 
-    @jax.default_matmul_precision("highest")
+    @full_precision
     def body_fun(state: State) -> State:
         z_k, f_k, g_k, H_k, k, _ = state
         p_k = -manifold.project(z_k, H_k @ g_k)
@@ -75,7 +88,7 @@ def riemannian_bfgs(
             g = manifold.project(z, g)
             return Trial(t, z, f, g, jnp.sum(g * velocity))
 
-        length = jnp.where(k == 0, FIRST_STEP, MAX_LENGTH).astype(f_k.dtype)
+        length = jnp.where(k == 0, FIRST_STEP, MAX_STEP).astype(f_k.dtype)
         start = Trial(jnp.zeros_like(f_k), z_k, f_k, g_k, jnp.sum(g_k * p_k))
         trial, found = armijo(curve, start, jnp.minimum(1, length / norm(p_k)))
         found &= jnp.any(trial.point != z_k)
@@ -91,12 +104,13 @@ def riemannian_bfgs(
         H_k = jnp.where(k == 0, sy / jnp.where(cautious, yy, 1) * eye, H_k)
         V = eye - rho_k * jnp.outer(s_k, y_k)
         H_new = V @ H_k @ V.T + rho_k * jnp.outer(s_k, s_k)
-        # f curved down along the step: it holds no scale to learn, and the step was too short
+        # at negative curvature the step gives no scale for H, and it was too short
         H_kept = jnp.where(sy < 0, GROWTH * H_k, H_k)
         H_k = jnp.where(cautious, H_new, jnp.where(k == 0, eye, H_kept))
         moved = State(trial.point, trial.value, trial.grad, H_k, k + 1, ~found)
         stayed = state._replace(k=k + 1, stalled=~found)
-        return jax.tree.map(lambda a, b: jnp.where(found, a, b), moved, stayed)
+        new: State = jax.tree.map(lambda a, b: jnp.where(found, a, b), moved, stayed)
+        return new
 
     def init(z0: Float[Array, " d"]) -> State:
         f_0, g_0 = value_and_grad(z0)
@@ -106,13 +120,29 @@ def riemannian_bfgs(
     def progress(state: State) -> Progress:
         return Progress(state.z_k, state.f_k, norm(state.g_k), state.k, state.stalled)
 
-    return solver_of(init, body_fun, progress, max_steps=max_steps, tol=tol)
+    return iterative_solver(init, body_fun, progress, max_steps=max_steps, tol=tol)
 
 
-@jax.default_matmul_precision("highest")
+@full_precision
 def minimise(fun: Callable[[Float[Array, " d"]], Float[Array, ""]], z0: Float[Array, " d"], **options: Any) -> Minimum:
-    """Minimises a function on a manifold from one start by `riemannian_bfgs`, which documents the options.
+    """Minimises a function on a manifold from one start by `riemannian_bfgs`.
 
-    Never raises under a trace: read `status`.
+    Args:
+        fun: differentiable function of a point in ambient coordinates.
+        z0: the start, a point on the manifold.
+        **options: options of `riemannian_bfgs`; `manifold` is required.
+
+    Returns:
+        The minimum. A solve that fails raises no error: read its `status`.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> from symjax.l2e.manifolds import SPHERE
+        >>> from symjax.l2e.status import sentences
+        >>> z0 = jnp.array([0.6, 0.64, 0.48])
+        >>> minimum = minimise(lambda v: v[0] ** 2 + 2 * v[1] ** 2 + 3 * v[2] ** 2, z0, manifold=SPHERE, tol=1e-5)
+        >>> print(abs(minimum.point[0]).round(3), sentences(minimum.status))
+        1.0 Converged: the Riemannian gradient is within tol.
     """
-    return solve(riemannian_bfgs(fun, **options), z0)
+    minimum: Minimum = solve(riemannian_bfgs(fun, **options), z0)
+    return minimum

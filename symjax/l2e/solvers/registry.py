@@ -1,9 +1,8 @@
-"""The solvers by name, and the limits that all of them have."""
+"""The solvers by name, and the limits that all of them take."""
 
 from collections.abc import Callable
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from symjax.geometry.checks import number, whole
@@ -11,7 +10,7 @@ from symjax.l2e.criterion import Criterion
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.solvers.alternating import alternation
 from symjax.l2e.solvers.base import Limits, Solver
-from symjax.l2e.solvers.irls import reweighting
+from symjax.l2e.solvers.irls import irls
 from symjax.l2e.solvers.names import SOLVER_NAMES, AnySolver, check_solver
 from symjax.l2e.solvers.newton import newton
 from symjax.l2e.solvers.rbfgs import riemannian_bfgs
@@ -22,7 +21,7 @@ def _newton(criterion: Criterion, limits: Limits) -> Solver:
 
 
 def _irls(criterion: Criterion, limits: Limits) -> Solver:
-    return reweighting(criterion.expand, **limits._asdict())
+    return irls(criterion.expand, **limits._asdict())
 
 
 def _rbfgs(criterion: Criterion, limits: Limits) -> Solver:
@@ -38,40 +37,41 @@ MAX_STEPS = 200
 SOLVERS: dict[str, Callable[[Criterion, Limits], Solver]] = dict(
     zip(SOLVER_NAMES, (_newton, _irls, _rbfgs, _alternating), strict=True)
 )
-"""Each takes the criterion and the limits."""
+"""Functions of the criterion and the limits that return a solver, by name."""
 
 _TOL_POWER = dict(zip(SOLVER_NAMES, (2 / 3, 2 / 3, 2 / 3, 1 / 2), strict=True))
-# the alternation's ω solver stops where f itself shows no decrease any more, which is at a gradient of about eps^(1/2)
+# the alternating solver's minimiser over ω stops when f no longer decreases, at a gradient of about eps^(1/2)
 
 _EXTERNAL_TOL_POWER = 2 / 5
-"""So does a minimiser of another package, now and then some times before that."""
+"""Optimistix minimisers stop at about eps^(1/2) too, and sometimes at a few times that."""
 
 
 def make_solver(solver: AnySolver, criterion: Criterion, limits: Limits) -> Solver:
-    """The solver of a name, or of a minimiser of optimistix."""
+    """Makes the solver from its name, or from an optimistix minimiser."""
     if isinstance(solver, str):
         return SOLVERS[solver](criterion, limits)
-    # optimistix is imported where it is used
+    # imported here because it imports optimistix
     from symjax.l2e.solvers.external import external
 
     return external(solver, criterion.value, **limits._asdict())
 
 
-def default_tol(solver: AnySolver, dtype: jnp.dtype) -> float:
-    """A power of the type's rounding that the solver reaches."""
+def default_tol(solver: AnySolver, dtype: np.dtype) -> float:
+    """Returns the tolerance that the solver reaches, a power of the machine epsilon of the type."""
     power = _TOL_POWER[solver] if isinstance(solver, str) else _EXTERNAL_TOL_POWER
-    return float(jnp.finfo(dtype).eps) ** power
+    tol: float = float(np.finfo(dtype).eps) ** power
+    return tol
 
 
 def checked_limits(solver: AnySolver, max_steps: int, tol: float | None, dtype: Any) -> Limits:
-    """The options that every solver has.
+    """Checks the options that every solver takes.
 
     Raises:
-        InvalidArgumentError: for an unknown solver, a negative limit, or a tolerance not above 0.
+        InvalidArgumentError: if the solver is unknown, the limit is negative, or the tolerance is not positive.
     """
     check_solver(solver)
     max_steps = whole("max_steps", max_steps, 0)
     tol = default_tol(solver, dtype) if tol is None else number("tol", tol, above=0)
-    # NumPy until a compiled function takes them, as in `pad_pairs`
-    known: Any = np.asarray(max_steps), np.asarray(tol, dtype)
-    return Limits(*known)
+    # in NumPy until a compiled function takes them, as in `pad_pairs`
+    limits: Any = np.asarray(max_steps), np.asarray(tol, dtype)
+    return Limits(*limits)

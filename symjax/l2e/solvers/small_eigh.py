@@ -1,7 +1,7 @@
-"""Eigenvalues of small symmetric matrices by Jacobi's rotations, in elementwise operations.
+"""Eigenvalues of small symmetric matrices by Jacobi rotations, in elementwise operations.
 
-A batch of 3 × 3 matrices costs LAPACK's `eigh` microseconds each, more than a pass over a thousand pairs; here they
-are one loop over the batch.
+LAPACK's `eigh` takes microseconds for every 3 × 3 matrix of a batch, more than a pass over a thousand pairs. Here the
+batch is processed together, in one loop.
 """
 
 from typing import TypeAlias
@@ -14,7 +14,7 @@ Entries: TypeAlias = list[list[Float[Array, ""]]]
 
 
 def _rotate(a: Entries, u: Entries, p: int, q: int) -> None:
-    """One rotation in the plane (p, q) that makes a[p][q] zero (Golub and Van Loan, Sec. 8.5), in place."""
+    """Applies the rotation in the plane (p, q) that makes a[p][q] zero (Golub and Van Loan, Sec. 8.5), in place."""
     off = a[p][q]
     zero = off == 0
     tau = (a[q][q] - a[p][p]) / jnp.where(zero, 1, 2 * off)
@@ -35,7 +35,7 @@ def _rotate(a: Entries, u: Entries, p: int, q: int) -> None:
 
 
 def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, " k"], Float[Array, "k k"]]:
-    """Eigenvalues, in no order, and the eigenvectors in columns, of a small symmetric matrix."""
+    """Returns the eigenvalues, unsorted, and the eigenvectors, in columns, of a small symmetric matrix."""
     size = len(matrix)
 
     def sweep(_: Int[Array, ""], state: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -45,6 +45,6 @@ def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, " k"], Float[Array, 
                 _rotate(a, u, p, q)
         return jnp.stack([jnp.stack(row) for row in a]), jnp.stack([jnp.stack(row) for row in u])
 
-    # after so many sweeps the worst of 20 000 random matrices is diagonal to rounding
+    # after size + 1 sweeps the worst of 20 000 random matrices is diagonal up to rounding
     a, u = jax.lax.fori_loop(0, size + 1, sweep, (matrix, jnp.eye(size, dtype=matrix.dtype)))
     return jnp.diagonal(a), u

@@ -1,6 +1,6 @@
-"""Where solvers start, and the scale that they need.
+"""Starts of the solvers, and the estimate of the scale σ.
 
-`initialisation` computes one normal from all pairs (the paper's robust Grassmann average, the principal direction,
-least squares); `hypotheses` takes every pair's own mirror plane and ranks them by the criterion; `scale_estimation`
-finds σ and the share of mirror pairs with the plane, where σ is not given. `names` lists the starts by name.
+`initialisation` computes one normal from all pairs: the paper's robust Grassmann average, the least principal
+direction, or least squares. `hypotheses` takes the mirror plane of every single pair and ranks these by the criterion.
+`scale_estimation` estimates σ and the inlier fraction together with the plane. `names` lists the starts by name.
 """

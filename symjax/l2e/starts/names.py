@@ -1,4 +1,4 @@
-"""The names of starts. No JAX is needed to read them."""
+"""The names of the starts. This module does not import JAX."""
 
 STARTS = ("fibonacci", "hypotheses", "random", "rga", "pca", "l2")
-"""Starts of `symjax.sweep`; the last three are one start each."""
+"""Starts of `symjax.sweep`. The last three are a single start each."""

@@ -1,18 +1,19 @@
-"""The scale σ and the share ρ of mirror pairs, estimated with the plane.
+"""Estimates the scale σ and the inlier fraction ρ together with the plane.
 
-L2E with a partial density (Scott, "Partial mixture estimation and outlier detection in data and regression", 2004):
-minimise ρ²(4πσ²)^{−3/2} − (2ρ/n) Σ g(r_i) over the plane, σ and ρ. The best ρ is 2^{3/2} mean exp(−f_i/2σ²); with it
-put in, what is left to minimise over the plane and s = log σ is −log mean exp(−f_i/2σ²) + (3/2)s.
+L2E with a partial density (Scott, "Partial mixture estimation and outlier detection in data and regression", 2004)
+minimises ρ²(4πσ²)^{−3/2} − (2ρ/n) Σ g(r_i) over the plane, σ and ρ. The best ρ is 2^{3/2} mean exp(−f_i/2σ²). Inserting
+it leaves the profile criterion −log mean exp(−f_i/2σ²) + (3/2)s, to be minimised over the plane and s = log σ.
 """
 
 import math
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from symjax.l2e.criterion import Expansion
-from symjax.l2e.fit import FRACTION, Fit, unscale_plane
+from symjax.l2e.fit import WEIGHT_TO_INLIER_FRACTION, Fit, unscale_plane
 from symjax.l2e.implicit import implicit_minimum
 from symjax.l2e.manifolds import SPHERE_LINE
 from symjax.l2e.objective import log_objective, squared_residuals
@@ -22,28 +23,30 @@ from symjax.l2e.solvers.newton import newton
 from symjax.l2e.starts.hypotheses import Hypotheses, rank_hypotheses
 from symjax.l2e.status import Status
 
-GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
-"""Scales that the search begins with, in radii."""
+SIGMA_GRID = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.007)
+"""Scales that the search starts from, in radii."""
 
-PER_SCALE = 4
-"""Planes that it begins with at each."""
+PLANES_PER_SIGMA = 4
+"""Number of planes that the search starts from at every scale."""
 
 NUM_SAMPLED = 1024
-"""Number of pairs sampled for the search; the final solve uses all pairs."""
+"""Number of pairs sampled for the search. The final solve uses all pairs."""
 
-LEAST_SUPPORT = 20
-"""Mirror pairs, ρn, below which an optimum is none: three numbers fit any one pair exactly, at σ = 0."""
+MIN_SUPPORT = 20
+"""Smallest number of inliers ρn at a valid optimum: a plane has three parameters and fits any one pair with σ = 0."""
 
 Data = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, " n"]]
 
 
-def least_sigma(dtype: jnp.dtype) -> float:
-    """What is added in squares to σ, in radii: exact pairs have σ = 0, where the criterion has no minimum."""
-    return 4 * float(jnp.finfo(dtype).eps) ** 0.5
+def least_sigma(dtype: np.dtype) -> float:
+    """Returns the length, in radii, whose square is added to every f_i: at σ = 0, the scale of exact pairs, the
+    criterion has no minimum."""
+    root: float = float(np.finfo(dtype).eps) ** 0.5
+    return 4 * root
 
 
 def profile(z: Float[Array, " 5"], data: Data) -> Float[Array, ""]:
-    """−log mean exp(−f_i/2σ²) + (3/2) log σ at z = (v, ω, log σ)."""
+    """Computes the profile criterion −log mean exp(−f_i/2σ²) + (3/2) log σ at z = (v, ω, log σ)."""
     x, y, weights = data
     sigma = jnp.exp(z[4])
     floor = least_sigma(x.dtype) ** 2 / (2 * sigma**2)
@@ -52,7 +55,7 @@ def profile(z: Float[Array, " 5"], data: Data) -> Float[Array, ""]:
 
 
 def expand(z: Float[Array, " 5"], data: Data, unit: Float[Array, ""]) -> Expansion:
-    """`profile` times unit² to second order, with the MM step, which is the least-squares plane and σ² = Σ p f/1.5."""
+    """Expands unit² · `profile` to second order. The MM step is the least-squares plane with σ² = Σ p f/1.5."""
     x, y, weights = data
     basis = SPHERE_LINE.basis(z)
 
@@ -67,10 +70,10 @@ def expand(z: Float[Array, " 5"], data: Data, unit: Float[Array, ""]) -> Expansi
     p = p / jnp.sum(p)
     m, h = 0.5 * (x + y), 0.5 * (y - x)
     M = jnp.dot((p[:, None] * m).T, m, precision="highest") - jnp.dot((p[:, None] * h).T, h, precision="highest")
-    middle = jnp.sum(p[:, None] * m, axis=0)
-    scale = 0.5 * jnp.log((jnp.sum(p * square) + least_sigma(x.dtype) ** 2) / 1.5)
-    scatter = M - middle[:, None] * middle[None, :]
-    return Expansion(z, value, gradient, jax.hessian(chart)(origin), scatter, middle, scale[None])
+    mean_midpoint = jnp.sum(p[:, None] * m, axis=0)
+    log_sigma = 0.5 * jnp.log((jnp.sum(p * square) + least_sigma(x.dtype) ** 2) / 1.5)
+    scatter = M - mean_midpoint[:, None] * mean_midpoint[None, :]
+    return Expansion(z, value, gradient, jax.hessian(chart)(origin), scatter, mean_midpoint, log_sigma[None])
 
 
 def _solve(start: Float[Array, " 5"], data: Data, limits: Limits) -> Minimum:
@@ -80,46 +83,46 @@ def _solve(start: Float[Array, " 5"], data: Data, limits: Limits) -> Minimum:
 
 
 def starts_at_all_scales(proposed: Hypotheses, pairs: NormalisedPairs) -> Float[Array, "k 5"]:
-    """The best distinct hypotheses at every scale of the grid."""
-    grid = jnp.asarray(GRID, pairs.x.dtype)
-    planes = jax.vmap(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=PER_SCALE))(grid)
-    scales = jnp.broadcast_to(jnp.log(grid)[:, None, None], (len(GRID), PER_SCALE, 1))
+    """Returns the best distinct hypotheses at every scale of the grid, as points (v, ω, log σ)."""
+    grid = jnp.asarray(SIGMA_GRID, pairs.x.dtype)
+    planes = jax.vmap(lambda sigma: rank_hypotheses(proposed, pairs, sigma, num=PLANES_PER_SIGMA))(grid)
+    scales = jnp.broadcast_to(jnp.log(grid)[:, None, None], (len(SIGMA_GRID), PLANES_PER_SIGMA, 1))
     return jnp.concatenate([planes, scales], axis=2).reshape(-1, 5)
 
 
 def estimate_scale(
     starts: Float[Array, "k 5"], pairs: NormalisedPairs, limits: Limits
 ) -> tuple[Minimum, Float[Array, " 5"]]:
-    """The best optimum from several starts that enough pairs support, and its start."""
+    """Minimises from several starts. Returns the best minimum supported by enough pairs, and its start."""
     x, y, weights, _ = jax.lax.stop_gradient(pairs)
     row = systematic_sample(weights, NUM_SAMPLED)
-    some = x[row], y[row], jnp.ones_like(weights[row])
-    found = jax.vmap(lambda start: _solve(start, some, limits))(starts)
-    shares = FRACTION * jnp.exp(1.5 * found.point[:, 4] - found.value)
-    supported = shares * jnp.minimum(jnp.sum(weights > 0, dtype=weights.dtype), NUM_SAMPLED) >= LEAST_SUPPORT
+    sample = x[row], y[row], jnp.ones_like(weights[row])
+    found = jax.vmap(lambda start: _solve(start, sample, limits))(starts)
+    rho = WEIGHT_TO_INLIER_FRACTION * jnp.exp(1.5 * found.point[:, 4] - found.value)
+    supported = rho * jnp.minimum(jnp.sum(weights > 0, dtype=weights.dtype), NUM_SAMPLED) >= MIN_SUPPORT
     value = jnp.where(jnp.isfinite(found.value), found.value, jnp.inf)
-    # where none is supported, the most supported
-    best = jnp.where(jnp.any(supported), jnp.argmin(jnp.where(supported, value, jnp.inf)), jnp.argmax(shares))
+    # if too few pairs support each of them, the one with the most support
+    best = jnp.where(jnp.any(supported), jnp.argmin(jnp.where(supported, value, jnp.inf)), jnp.argmax(rho))
     return _solve(found.point[best], (x, y, weights), limits), starts[best]
 
 
 def unscale_with_sigma(pairs: NormalisedPairs, minimum: Minimum, start: Float[Array, " 5"]) -> Fit:
-    """The fit at the estimated scale, differentiable in the pairs."""
+    """Converts a minimum with its estimated scale to a fit in the units of the points, differentiable in the pairs."""
     x, y, weights, to_given = pairs
     z, value = implicit_minimum(profile, SPHERE_LINE, minimum.point, minimum.value, (x, y, weights))
     sigma = jnp.exp(z[4])
-    share = jnp.exp(1.5 * z[4] - value)
-    loss = -((share / (2 * math.pi * sigma**2) ** 1.5) ** 2) * (4 * math.pi * sigma**2) ** 1.5
-    support = FRACTION * share * jnp.sum(weights > 0, dtype=weights.dtype)
-    lacking = (minimum.status == Status.SUCCESSFUL.value) & (support < LEAST_SUPPORT)
+    mean_weight = jnp.exp(1.5 * z[4] - value)
+    loss = -((mean_weight / (2 * math.pi * sigma**2) ** 1.5) ** 2) * (4 * math.pi * sigma**2) ** 1.5
+    support = WEIGHT_TO_INLIER_FRACTION * mean_weight * jnp.sum(weights > 0, dtype=weights.dtype)
+    unsupported = (minimum.status == Status.SUCCESSFUL.value) & (support < MIN_SUPPORT)
     return Fit(
         plane=unscale_plane(z, pairs),
         loss=loss / to_given.scale**3,
-        status=jnp.where(lacking, jnp.int32(Status.UNSUPPORTED), minimum.status),
+        status=jnp.where(unsupported, jnp.int32(Status.UNSUPPORTED), minimum.status),
         num_steps=minimum.num_steps,
         grad_norm=minimum.grad_norm,
         sigma=sigma * to_given.scale,
-        inlier_fraction=jnp.minimum(FRACTION * share, 1),
+        inlier_fraction=jnp.minimum(WEIGHT_TO_INLIER_FRACTION * mean_weight, 1),
         sigma_estimated=jnp.asarray(True),
         start=unscale_plane(start, pairs),
     )

@@ -7,7 +7,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.l2e import objective
-from symjax.l2e.criterion import Criterion, reweighted
+from symjax.l2e.criterion import Criterion, mm_step
 from symjax.l2e.features import features
 from symjax.l2e.manifolds import SPHERE_LINE, random_points, tangent_basis
 
@@ -119,7 +119,7 @@ def test_scatter_and_middle_are_weighted_moments(pairs, planes):
         p = weights * np.asarray(objective.l2e_weights(planes[k, :3], planes[k, 3], 0.3, *pairs[:2]))
         p = p / p.sum()
         middle = p @ m
-        np.testing.assert_allclose(at.middle[k], middle, atol=1e-12)
+        np.testing.assert_allclose(at.mean_midpoint[k], middle, atol=1e-12)
         scatter = (m - middle).T @ (p[:, None] * (m - middle)) - h.T @ (p[:, None] * h)
         np.testing.assert_allclose(at.scatter[k], scatter, atol=1e-12)
 
@@ -131,7 +131,7 @@ def test_an_mm_step_never_raises_psi(pairs, planes, sigma):
     for _ in range(4):
         at = expanded(pairs, sigma, points)
         values, vectors = jnp.linalg.eigh(at.scatter)
-        after = jax.vmap(reweighted)(at, values, vectors)
+        after = jax.vmap(mm_step)(at, values, vectors)
         np.testing.assert_allclose(jnp.linalg.norm(after[:, :3], axis=1), 1, rtol=1e-12)
         assert (jnp.sum(after[:, :3] * points[:, :3], axis=1) >= 0).all()
         risen = expanded(pairs, sigma, after).value - at.value

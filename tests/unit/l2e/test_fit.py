@@ -223,7 +223,7 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
     [
         ({"x": np.ones((3, 5))}, InvalidPointsError, "transpose"),
         ({"x": np.ones((3, 2))}, InvalidPointsError, r"\(3, 2\)"),
-        ({"x": np.ones((4, 3))}, InvalidPointsError, "mirror partner"),
+        ({"x": np.ones((4, 3))}, InvalidPointsError, "mirror image"),
         ({"x": [[1, 2, 3], [1]]}, InvalidPointsError, "ragged"),
         ({"x": np.eye(3) * 1j}, InvalidPointsError, "complex"),
         ({"x": np.eye(3).astype(str)}, InvalidPointsError, "real numbers"),

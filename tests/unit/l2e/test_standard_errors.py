@@ -147,10 +147,10 @@ def test_exact_pairs_have_hardly_any_error():
 
 def test_several_fits_at_once_are_refused(pairs, given):
     fits = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf])[None], given[0])
-    with pytest.raises(InvalidArgumentError, match=r"fits of shape \(1, 2\)"):
+    with pytest.raises(InvalidArgumentError, match=r"batch of fits of shape \(1, 2\)"):
         standard_errors(fits, pairs.x, pairs.y)
 
 
 def test_pairs_are_checked(pairs, given):
-    with pytest.raises(InvalidPointsError, match="mirror partner"):
+    with pytest.raises(InvalidPointsError, match="mirror image"):
         standard_errors(given[0], pairs.x, pairs.y[1:])

@@ -102,7 +102,7 @@ def test_netcdf_gives_it_back(request, name, tmp_path):
 
 def test_what_is_no_sweep_is_refused(fits):
     for other in (best(fits), jax.tree.map(lambda leaf: leaf[0, 0], fits), jax.tree.map(lambda a: a[None, None], fits)):
-        with pytest.raises(InvalidArgumentError, match=r"fits with axes \(.*\) are no sweep"):
+        with pytest.raises(InvalidArgumentError, match=r"fits with axes \(.*\) are not a sweep"):
             other.to_xarray()
     spread = np.asarray(fits.sigma) * np.linspace(1, 2, RESTARTS)
     with pytest.raises(InvalidArgumentError, match="sigma differs between the restarts"):

@@ -14,7 +14,7 @@ from symjax.l2e.pairs.padded import pad_pairs
 from symjax.l2e.starts.hypotheses import (
     SAME_ANGLE,
     SAME_OFFSET,
-    SUBSET,
+    NUM_RANKING_PAIRS,
     offset_search,
     pair_hypotheses,
     plane_nms,
@@ -86,7 +86,7 @@ def test_one_mirror_pair_names_the_plane(planted):
 
 @pytest.mark.parametrize("sigma", [0.02, 0.1, 0.5])
 def test_what_is_kept_is_distinct_and_the_best_first(sigma):
-    p = planted_pairs(np.random.default_rng(22), SUBSET, 0.8)  # so many that each is ranked on once
+    p = planted_pairs(np.random.default_rng(22), NUM_RANKING_PAIRS, 0.8)  # so many that each is ranked on once
     pairs = normalised(p.x, p.y)
     proposed = proposed_by(pairs)
     kept = np.asarray(screen(proposed, pairs, jnp.asarray(sigma)))
@@ -197,8 +197,8 @@ def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
     v = jnp.concatenate([fibonacci(20), jnp.asarray(planted.normal)[None]])
     points = jax.jit(jax.vmap(raised, (0, None)))(v, sigma)
     np.testing.assert_array_equal(points[:, :3], v)
-    offsets = np.asarray(v @ raised.through)
-    x, y = jnp.asarray(raised.midpoints - raised.halves).T, jnp.asarray(raised.midpoints + raised.halves).T
+    offsets = np.asarray(v @ raised.candidates)
+    x, y = jnp.asarray(raised.midpoints - raised.half_differences).T, jnp.asarray(raised.midpoints + raised.half_differences).T
     loss = jax.jit(jax.vmap(jax.vmap(lambda v, w: scaled_log_loss(v, w, sigma, x, y), (None, 0))))
     best = np.asarray(loss(v, jnp.asarray(offsets))).argmin(axis=1)
     np.testing.assert_allclose(points[:, 3], offsets[np.arange(21), best], rtol=1e-12)

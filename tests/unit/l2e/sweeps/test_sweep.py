@@ -105,8 +105,8 @@ def test_weights_and_limits_reach_every_fit(pairs, even):
     ("options", "match"),
     [
         ({"v0s": "random"}, "takes a key"),
-        ({"v0s": "fibonacci", "key": jax.random.key(0)}, "no other start does"),
-        ({"key": jax.random.key(0)}, "no other start does"),
+        ({"v0s": "fibonacci", "key": jax.random.key(0)}, "no other start takes one"),
+        ({"key": jax.random.key(0)}, "no other start takes one"),
         ({"v0s": "corners"}, "'corners' is unknown: choose one of fibonacci, hypotheses, random, rga, pca, l2"),
         ({"restarts": 0}, "restarts must be a whole number, at least 1, not 0"),
         ({"v0s": np.zeros((2, 3))}, "2 of 2 starting normals"),

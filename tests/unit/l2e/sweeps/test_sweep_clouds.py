@@ -71,7 +71,7 @@ def test_axes_are_clouds_sigmas_and_starts(three):
 
 
 def test_what_is_no_cloud_is_refused(three):
-    with pytest.raises(InvalidArgumentError, match="no cloud to sweep"):
+    with pytest.raises(InvalidArgumentError, match="clouds is empty"):
         sweep_clouds([], [0.05])
     bad = [(three[0].x, three[0].y), (three[1].x[:2], three[1].y[:2])]
     with pytest.raises(TooFewPointsError, match="2 pairs"):
