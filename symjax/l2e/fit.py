@@ -54,7 +54,7 @@ class Fit(NamedTuple):
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
         >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.01)
         >>> print(fit.plane.normal.round(2), f"{fit.plane.offset:.2f}", f"{fit.inlier_fraction:.2f}")
-        [] 0.500
+        [-0.33 -0.27  0.9 ] 0.99 0.63
         >>> fit.message
         'Converged: the Riemannian gradient is within tol.'
     """
@@ -114,11 +114,12 @@ def best(fits: Fit) -> Fit:
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
-        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.02, 0.2], "fibonacci", restarts=16)
+        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.01, 0.1], "fibonacci", restarts=16)
         >>> fits.loss.shape
         (2, 16)
         >>> print(pairs.normal.round(2), symjax.best(fits).plane.normal.round(2))
-        []
+        [-0.33 -0.27  0.91] [[-0.33 -0.27  0.9 ]
+         [-0.33 -0.27  0.9 ]]
     """
     # NumPy's float64 fits stay in NumPy
     xp: Any = fits.loss.__array_namespace__()

@@ -98,9 +98,9 @@ def fit_global(
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.8)
-        >>> fit = symjax.fit_global(pairs.x, pairs.y, 0.02)
+        >>> fit = symjax.fit_global(pairs.x, pairs.y, 0.01)
         >>> print(pairs.normal.round(2), fit.plane.normal.round(2))
-        []
+        [-0.29  0.92  0.26] [-0.29  0.92  0.26]
     """
     pairs = pad_pairs(x, y, weights)
     limits = checked_limits("newton", max_steps, tol, pairs.x.dtype)

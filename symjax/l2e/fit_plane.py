@@ -100,9 +100,9 @@ def fit_plane(
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
-        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.01)
         >>> print(pairs.normal.round(2), fit.plane.normal.round(2))
-        []
+        [-0.33 -0.27  0.91] [-0.33 -0.27  0.9 ]
     """
     pairs = pad_pairs(x, y, weights)
     limits = checked_limits(solver, max_steps, tol, pairs.x.dtype)

@@ -31,10 +31,10 @@ class StandardErrors(NamedTuple):
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
-        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.01)
         >>> errors = symjax.standard_errors(fit, pairs.x, pairs.y)
-        >>> print(f"{errors.inlier_fraction:.3f}", errors.sigma)
-        0.05 0.0
+        >>> print(f"inlier fraction {fit.inlier_fraction:.2f} ± {errors.inlier_fraction:.2f}")
+        inlier fraction 0.63 ± 0.07
     """
 
     plane: Uncertainty
@@ -74,10 +74,10 @@ def standard_errors(
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
-        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.02)
+        >>> fit = symjax.fit_plane(pairs.x, pairs.y, 0.01)
         >>> errors = symjax.standard_errors(fit, pairs.x, pairs.y)
         >>> print(f"{errors.plane.normal_degrees:.2f} degrees, offset {errors.plane.offset:.4f}")
-        0.05
+        0.20 degrees, offset 0.0008
     """
     if shape := np.shape(fit.loss):
         raise InvalidArgumentError(f"fit is a batch of fits of shape {shape}: pass one fit at a time")

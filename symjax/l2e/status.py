@@ -5,6 +5,8 @@ from enum import IntEnum
 import numpy as np
 from jaxtyping import Int
 
+from symjax.geometry.arrays import AnyArray
+
 
 class Status(IntEnum):
     """The ways a solver can end. Traced code holds a member as its number, an int32."""
@@ -46,7 +48,7 @@ SENTENCES = np.array([member.sentence for member in Status])
 """The sentences, indexed by the numbers."""
 
 
-def sentences(codes: Int[np.ndarray, "*batch"] | int) -> str | np.ndarray:
+def sentences(codes: Int[AnyArray, "*batch"] | int) -> str | np.ndarray:
     """Returns the sentence of a status; for a batch, an array of sentences."""
     found = SENTENCES[np.asarray(codes)]
     return str(found) if found.ndim == 0 else found

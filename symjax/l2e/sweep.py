@@ -17,7 +17,7 @@ from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
 from symjax.l2e.jax_config import float64_as_given, jit
 from symjax.l2e.manifolds import normalise, random_points
-from symjax.l2e.pairs.arguments import Points, Weights, checked_normals, checked_sigmas
+from symjax.l2e.pairs.arguments import AnyPoints, Points, Weights, checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
 from symjax.l2e.solvers.base import Limits, Minimum, Solver, solve, with_start
@@ -169,11 +169,12 @@ def sweep(
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> pairs = planted_pairs(np.random.default_rng(0), 100, outliers=0.4)
-        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.02, 0.2], restarts=8)
+        >>> fits = symjax.sweep(pairs.x, pairs.y, [0.01, 0.1], restarts=8)
         >>> fits.loss.shape, symjax.best(fits).loss.shape
         ((2, 8), (2,))
         >>> print(pairs.normal.round(2), symjax.best(fits).plane.normal.round(2))
-        []
+        [-0.33 -0.27  0.91] [[-0.33 -0.27  0.9 ]
+         [-0.33 -0.27  0.9 ]]
     """
     pairs = pad_pairs(x, y, weights)
     dtype = pairs.x.dtype
@@ -198,7 +199,7 @@ def _named_normals(
     return random_points(key, restarts).astype(dtype) if key is not None else None
 
 
-def sweep_clouds(clouds: Iterable[tuple[Points, Points]], *args: Any, **options: Any) -> Fit:
+def sweep_clouds(clouds: Iterable[tuple[AnyPoints, AnyPoints]], *args: Any, **options: Any) -> Fit:
     """Runs `sweep` for the pairs of many clouds.
 
     The clouds may have different numbers of pairs. These are padded to powers of two, so few programs are compiled.
@@ -218,7 +219,7 @@ def sweep_clouds(clouds: Iterable[tuple[Points, Points]], *args: Any, **options:
         >>> import numpy as np, symjax
         >>> from symjax.datasets.planted_pairs import planted_pairs
         >>> clouds = [planted_pairs(np.random.default_rng(0), num, outliers=0.4) for num in (50, 100)]
-        >>> fits = symjax.sweep_clouds([(p.x, p.y) for p in clouds], [0.02, 0.2], restarts=8)
+        >>> fits = symjax.sweep_clouds([(p.x, p.y) for p in clouds], [0.01, 0.1], restarts=8)
         >>> fits.loss.shape, symjax.best(fits).loss.shape
         ((2, 2, 8), (2, 2))
     """

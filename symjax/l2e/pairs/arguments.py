@@ -25,6 +25,9 @@ AnyPairs = Float[AnyArray, "n 3"]
 Points = Real[AnyArray, "n 3"] | Sequence[Sequence[float]]
 """One end of the pairs, as given."""
 
+AnyPoints = Real[AnyArray, "_ 3"] | Sequence[Sequence[float]]
+"""The same, where several sets of pairs have different sizes."""
+
 Weights = Shaped[AnyArray, " n"] | Sequence[float]
 """The weight of every pair, or a mask of the pairs to use."""
 

@@ -131,7 +131,7 @@ def reduces_gradient_only(
     value: Float[Array, ""], grad_norm: Float[Array, ""], last_value: Float[Array, ""], last_grad_norm: Float[Array, ""]
 ) -> Bool[Array, ""]:
     """Returns whether a step reduced the gradient, and changed the value by no more than its rounding error."""
-    rounding = ROUNDING * np.finfo(value.dtype).eps * jnp.maximum(jnp.abs(last_value), 1)
+    rounding: Float[Array, ""] = ROUNDING * np.finfo(value.dtype).eps * jnp.maximum(jnp.abs(last_value), 1)
     return (jnp.abs(last_value - value) <= rounding) & (grad_norm < last_grad_norm)
 
 

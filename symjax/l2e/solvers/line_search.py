@@ -44,7 +44,7 @@ def _is_acceptable(start: Trial, trial: Trial) -> Bool[Array, ""]:
     # a step so short that the bound rounds to φ(0) must still decrease φ
     enough = trial.value <= start.value + DECREASE * trial.step * start.slope
     enough &= trial.value < start.value
-    rounding = _ROUNDING * np.finfo(trial.value.dtype).eps * jnp.maximum(jnp.abs(start.value), 1)
+    rounding: Float[Array, ""] = _ROUNDING * np.finfo(trial.value.dtype).eps * jnp.maximum(jnp.abs(start.value), 1)
     not_higher = trial.value <= start.value + rounding
     return enough | (not_higher & (trial.slope <= (2 * DECREASE - 1) * start.slope))
 

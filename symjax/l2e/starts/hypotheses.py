@@ -57,7 +57,8 @@ class OffsetSearch(NamedTuple):
         """Returns the best plane at scale σ that has this normal and contains one of the candidates."""
         offsets, along_m, along_h = (_along(rows, v) for rows in self)
         # f/4 = (m·v − ω)² + ‖h‖² − (h·v)², where only the first term depends on the offset
-        rest = self.half_differences[0] ** 2 + self.half_differences[1] ** 2 + self.half_differences[2] ** 2 - along_h**2
+        h = self.half_differences
+        rest = h[0] ** 2 + h[1] ** 2 + h[2] ** 2 - along_h**2
         exponents = -2 / sigma**2 * ((along_m[None, :] - offsets[:, None]) ** 2 + rest[None, :])
         # one largest exponent for all offsets: if the kernels of an offset all underflow, another offset is better
         kernels = jnp.dot(jnp.exp(exponents - jnp.max(exponents)), jnp.ones_like(along_h), precision="highest")

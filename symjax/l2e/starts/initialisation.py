@@ -172,7 +172,7 @@ def l2_normal(
     x: Float[Array, "n 3"], y: Float[Array, "n 3"], *, weights: Float[Array, " n"] | None = None
 ) -> Float[Array, " 3"]:
     """Returns the normal of the `l2_plane`, as a start."""
-    return l2_plane(x, y, weights).normal
+    return jnp.asarray(l2_plane(x, y, weights).normal)
 
 
 NORMALS: dict[str, Callable[..., Float[Array, " 3"]]] = {"rga": rga_normal, "pca": pca_normal, "l2": l2_normal}

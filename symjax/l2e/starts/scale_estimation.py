@@ -39,8 +39,7 @@ Data = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, " n"]]
 
 
 def least_sigma(dtype: np.dtype) -> float:
-    """Returns the length, in radii, whose square is added to every f_i: at σ = 0, the scale of exact pairs, the
-    criterion has no minimum."""
+    """Returns the length, in radii, whose square is added to every f_i. For exact pairs f_i has no scale."""
     root: float = float(np.finfo(dtype).eps) ** 0.5
     return 4 * root
 
@@ -78,7 +77,7 @@ def expand(z: Float[Array, " 5"], data: Data, unit: Float[Array, ""]) -> Expansi
 
 def _solve(start: Float[Array, " 5"], data: Data, limits: Limits) -> Minimum:
     unit = jnp.exp(start[4])
-    minimum = solve(newton(lambda z: expand(z, data, unit), **limits._asdict()), start)
+    minimum: Minimum = solve(newton(lambda z: expand(z, data, unit), **limits._asdict()), start)
     return minimum._replace(value=minimum.value / unit**2)
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
 from symjax.geometry.directions import fibonacci
-from symjax.l2e.solvers.base import Minimum, Solver, ending, solve
+from symjax.l2e.solvers.base import Minimum, Solver, final_status, solve
 from symjax.l2e.solvers.batched import solve_batch
 from symjax.l2e.status import Status
 from symjax.l2e.sweep import sweep
@@ -24,7 +24,7 @@ MAX_STEPS = 90
 def halving(factor, seen: Callable[[jax.Array], None] | None = None) -> Solver:
     """Shrinks the start by a factor a step until it is below 1e-6: a solver of known cost that compiles fast."""
 
-    def going(state):
+    def should_continue(state):
         z, k = state
         return (jnp.abs(z[0]) > 1e-6) & (k < MAX_STEPS)
 
@@ -36,9 +36,9 @@ def halving(factor, seen: Callable[[jax.Array], None] | None = None) -> Solver:
 
     def finish(state):
         z, k = state
-        return Minimum(z, z[0], jnp.abs(z[0]), k, ending(jnp.abs(z[0]), 1e-6, z[0], jnp.asarray(False)))
+        return Minimum(z, z[0], jnp.abs(z[0]), k, final_status(jnp.abs(z[0]), 1e-6, z[0], jnp.asarray(False)))
 
-    return Solver(lambda start: (start, jnp.asarray(0)), going, step, finish)
+    return Solver(lambda start: (start, jnp.asarray(0)), should_continue, step, finish)
 
 
 def solves(num, seed=0):

@@ -99,9 +99,9 @@ def test_optimistix_is_imported_when_it_is_used():
 
 
 def test_what_is_no_solver_is_refused(pairs):
-    with pytest.raises(InvalidArgumentError, match="give them as numbers, not as arrays"):
+    with pytest.raises(InvalidArgumentError, match="pass them as numbers, not as arrays"):
         fit_plane(pairs.x, pairs.y, SIGMA, solver=optx.BFGS(rtol=jnp.asarray(1e-8), atol=1e-8))
-    with pytest.raises(InvalidArgumentError, match="neither a name nor a minimiser of optimistix"):
+    with pytest.raises(InvalidArgumentError, match="neither a name nor an optimistix minimiser"):
         fit_plane(pairs.x, pairs.y, SIGMA, solver=optx.Newton(rtol=1e-8, atol=1e-8))
     with pytest.raises(InvalidArgumentError, match="estimated with solver='newton'"):
         fit_plane(pairs.x, pairs.y, "auto", solver=BFGS)

@@ -12,9 +12,9 @@ from symjax.l2e.objective import scaled_log_loss
 from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs, systematic_sample
 from symjax.l2e.pairs.padded import pad_pairs
 from symjax.l2e.starts.hypotheses import (
+    NUM_RANKING_PAIRS,
     SAME_ANGLE,
     SAME_OFFSET,
-    NUM_RANKING_PAIRS,
     offset_search,
     pair_hypotheses,
     plane_nms,
@@ -198,7 +198,8 @@ def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
     points = jax.jit(jax.vmap(raised, (0, None)))(v, sigma)
     np.testing.assert_array_equal(points[:, :3], v)
     offsets = np.asarray(v @ raised.candidates)
-    x, y = jnp.asarray(raised.midpoints - raised.half_differences).T, jnp.asarray(raised.midpoints + raised.half_differences).T
+    m, h = raised.midpoints, raised.half_differences
+    x, y = (m - h).T, (m + h).T
     loss = jax.jit(jax.vmap(jax.vmap(lambda v, w: scaled_log_loss(v, w, sigma, x, y), (None, 0))))
     best = np.asarray(loss(v, jnp.asarray(offsets))).argmin(axis=1)
     np.testing.assert_allclose(points[:, 3], offsets[np.arange(21), best], rtol=1e-12)
