@@ -1,7 +1,9 @@
-"""symjax: the mirror plane of a 3D point cloud, by a robust and differentiable estimator.
+"""symjax: finds the mirror plane of a 3D point cloud with a robust, differentiable estimator.
 
-`import symjax` is cheap: JAX is imported when a name that needs it is first used, so that
-`symjax --help` and a mistyped path answer at once.
+`detect` finds the mirror planes of a cloud and returns a `Detection`. `fit_plane`, `fit_global` and `sweep` fit one
+plane to pairs of points that may be mirror images, and return a `Fit`.
+
+`import symjax` is fast: JAX is imported when a name that needs it is first used.
 """
 
 from importlib import import_module

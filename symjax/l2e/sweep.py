@@ -30,7 +30,7 @@ from symjax.l2e.starts.names import STARTS
 
 RESTARTS = 64
 NUM_PATHS = 32
-"""Number of distinct optima that a continuation follows from one σ to the next."""
+"""Largest number of distinct planes that a continuation follows from one σ to the next."""
 
 
 class _Options(NamedTuple):
@@ -90,9 +90,9 @@ def _continuation(
 ) -> tuple[Minimum, Int[Array, "S R"]]:
     """Follows optima from the largest σ to the smallest.
 
-    The paths begin with the best distinct optima that the starts reach at the largest σ. At every further σ the solver
-    starts from the paths' optima at the σ before, and from the hypotheses ranked anew: warm starts alone follow the
-    wrong plane if the outliers have a structure.
+    The paths begin at the best distinct starts at the largest σ, and every start belongs to the path with the nearest
+    normal. At every σ the solver starts from the paths' optima at the σ before, and from the hypotheses ranked anew:
+    warm starts alone follow the wrong plane if the outliers have a structure.
 
     Returns:
         All minima at every σ, and for every start the row of its minimum: that of its path, or the best from a
@@ -102,12 +102,12 @@ def _continuation(
     proposed = pair_hypotheses(pairs)
     num_paths = min(NUM_PATHS, len(starts))
     solver = make(scales[order[0]])
-    # in batches no larger than those of `solve_batch`: their weights take the memory
-    begun, _ = jax.lax.map(
+    # planes and losses of the starts, in batches no larger than those of `solve_batch`: their weights take the memory
+    at_start, _ = jax.lax.map(
         lambda start: solver.finish(solver.init(start)), starts, batch_size=min(NUM_SLOTS, len(starts))
     )
-    first = plane_nms(begun.point, begun.value, num_paths)
-    cosine = jnp.abs(jnp.sum(begun.point[:, None, :3] * begun.point[None, first, :3], axis=2))
+    first = plane_nms(at_start.point, at_start.value, num_paths)
+    cosine = jnp.abs(jnp.sum(at_start.point[:, None, :3] * at_start.point[None, first, :3], axis=2))
     path = jnp.argmax(cosine, axis=1)
 
     def follow(paths: Float[Array, "K 4"], sigma: Float[Array, ""]) -> tuple[Array, tuple[Minimum, Array]]:
@@ -117,7 +117,7 @@ def _continuation(
         best = num_paths + jnp.argmin(value[num_paths:])
         return found.point[:num_paths], (found, jnp.where(value[path] <= value[best], path, best))
 
-    _, followed = jax.lax.scan(follow, begun.point[first], scales[order])
+    _, followed = jax.lax.scan(follow, at_start.point[first], scales[order])
     back = jnp.argsort(order)
     in_given_order: tuple[Minimum, Int[Array, "S R"]] = jax.tree.map(lambda leaf: leaf[back], followed)
     return in_given_order
@@ -152,10 +152,10 @@ def sweep(
         weights: nonnegative weights of the pairs, by default all 1.
         solver: solver, see `fit_plane`.
         continuation: whether to go from the largest σ to the smallest and start from the optima of the σ before, which
-            is many times cheaper. The starts are used at the largest σ only, and the best distinct optima are followed
-            from there. The hypotheses are ranked again at every σ. The fit of a start is the optimum of its path, or
-            the best optimum reached from a hypothesis if that is better. A continuation therefore shows the best plane
-            at every σ, not the basins of attraction.
+            is many times cheaper. Only the best distinct starts at the largest σ are followed, and the other starts
+            join the path with the nearest normal. The hypotheses are ranked again at every σ. The fit of a start is
+            the optimum of its path, or the best optimum reached from a hypothesis if that is better. A continuation
+            therefore shows the best plane at every σ, not the basins of attraction.
         max_steps: limit on the steps of each fit, see `fit_plane`.
         tol: tolerance of the gradient norm, see `fit_plane`.
 

@@ -19,7 +19,7 @@ from symjax.l2e.pairs.normalised import NormalisedPairs, systematic_sample
 NUM_HYPOTHESES = 1024  # pairs that propose a plane
 NUM_RANKING_PAIRS = 512  # pairs that the hypotheses are ranked on
 MIN_RANKING_SIGMA = 0.004  # in radii: at smaller σ, rounding errors of the float32 features would decide the ranking
-SHORT_FRACTION = 0.3  # fraction of the hypotheses that is dropped: those of the shortest pairs are mostly noise
+SHORT_FRACTION = 0.3  # fraction of the hypotheses that is dropped: the shortest pairs' directions are mostly noise
 SAME_ANGLE = 5.0  # in degrees, and
 SAME_OFFSET = 0.03  # in radii: planes closer than both count as the same
 NUM_KEPT = 16  # distinct planes that are refined

@@ -1,4 +1,4 @@
-"""ψ and its derivatives by matrix products are those of the objective as written, alone and in batches."""
+"""ψ and its derivatives by matrix products equal those of the direct objective, alone and in batches."""
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +24,7 @@ def pairs():
 
 @pytest.fixture(scope="module")
 def planes():
-    """Planes in no relation to the pairs, one of them with the pole that the tangent basis turns about."""
+    """Planes unrelated to the pairs. One of them is the pole at which the tangent basis changes."""
     v = random_points(jax.random.key(0), 64).at[0].set(jnp.asarray([0.0, 0.0, -1.0]))
     return jnp.concatenate([v, 0.4 * jax.random.normal(jax.random.key(1), (64, 1))], axis=1)
 
@@ -41,7 +41,7 @@ def literal(pairs, sigma, z):
 
 @jax.jit
 def in_the_chart(pairs, sigma, points):
-    """ψ as written, its gradient and its Hessian in the tangent chart, by automatic differentiation."""
+    """The direct ψ, its gradient and its Hessian in the tangent chart, by automatic differentiation."""
 
     def derivatives(z):
         basis = SPHERE_LINE.basis(z)
@@ -96,7 +96,7 @@ def test_gradient_is_the_closed_form_of_the_paper(pairs, planes):
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 @pytest.mark.parametrize("num", [2, 3, 64])
 def test_a_batch_is_its_planes_one_by_one(pairs, planes, dtype, num):
-    """Sums over an axis of length 3 have been compiled wrongly under vmap: every size of batch is a program."""
+    """Sums over an axis of length 3 have been compiled wrongly under vmap, so several batch sizes are tested."""
     rows = features(*(a.astype(dtype) for a in pairs))
     criterion = Criterion(rows, jnp.asarray(0.1, dtype))
     points = planes.astype(dtype)[:num]
@@ -107,7 +107,7 @@ def test_a_batch_is_its_planes_one_by_one(pairs, planes, dtype, num):
     eps = float(jnp.finfo(dtype).eps)
     for a, b in zip(jax.tree.leaves(together), jax.tree.leaves(stacked), strict=True):
         assert a.dtype == dtype
-        # Hessians are differences of moments that 4/σ² multiplies
+        # Hessians are differences of moments, multiplied by 4/σ²
         np.testing.assert_allclose(a, b, rtol=500 * eps, atol=4000 * eps)
 
 
@@ -126,7 +126,7 @@ def test_scatter_and_middle_are_weighted_moments(pairs, planes):
 
 @pytest.mark.parametrize("sigma", [0.005, 0.05, 0.5])
 def test_an_mm_step_never_raises_psi(pairs, planes, sigma):
-    """And it is the least-squares plane under the weights, by LAPACK."""
+    """The step is the least-squares plane under the weights, here by LAPACK."""
     points = planes
     for _ in range(4):
         at = expanded(pairs, sigma, points)
@@ -141,8 +141,8 @@ def test_an_mm_step_never_raises_psi(pairs, planes, sigma):
 
 
 @pytest.mark.any_precision
-def test_planes_far_from_every_pair_keep_their_slope(pairs, planes):
-    """Where every weight underflows, ψ is half the f of the pair that fits best."""
+def test_planes_far_from_every_pair_keep_their_gradient(pairs, planes):
+    """If every weight underflows, ψ is half the f of the best pair."""
     x, y, _ = pairs = [jnp.asarray(a, jnp.float32) for a in pairs]
     points = planes.astype(jnp.float32)[:8].at[:, 3].add(50.0)
     at = expanded(pairs, jnp.float32(0.01), points)

@@ -1,4 +1,4 @@
-"""The features give the residuals as they are written, count no padding, and do not depend on their tiles."""
+"""The features give the direct residuals, ignore padding, and do not depend on the tiles."""
 
 from functools import partial
 
@@ -33,7 +33,7 @@ def pairs():
 
 @jax.jit
 def expanded(x, y, weights, sigma, v, omega, used):
-    """ψ by the features to second order, and its value and gradient as a function; of several planes."""
+    """Second-order expansion of ψ from the features, and its value and gradient, at several planes."""
     criterion = Criterion(features.features(x, y, weights, used=used), sigma)
     points = jnp.concatenate([v, omega[:, None]], axis=1)
     return jax.vmap(criterion.expand)(points)[1:4], jax.vmap(jax.value_and_grad(criterion.value))(points)
@@ -47,7 +47,7 @@ def test_one_product_gives_the_squared_residuals(pairs):
 
 
 @pytest.mark.parametrize("junk", [1e3, 1e300, np.inf, np.nan])
-def test_pairs_of_weight_zero_and_padding_count_nothing(pairs, junk):
+def test_pairs_of_weight_zero_and_padding_have_no_effect(pairs, junk):
     x, y, weights, planes = pairs
     absent = np.arange(NUM) % 3 == 0
     given = expanded(x[~absent], y[~absent], weights[~absent], 0.1, *planes, 40)
@@ -96,7 +96,7 @@ def test_many_tiles_are_one_sum(many, sigma):
 
 
 def test_float32_keeps_its_digits_at_a_small_scale():
-    """At σ = 0.005 the weights by a float32 product are wrong by per cent; the sums here must not be."""
+    """At σ = 0.005 the weights from a float32 product are wrong by a few per cent; these sums must not be."""
     sigma = 0.005
     p = planted_pairs(np.random.default_rng(7), 1000, 0.3, noise=sigma)
     x, y, weights, to_given = normalise_pairs(jnp.asarray(p.x), jnp.asarray(p.y), jnp.ones(1000))
@@ -108,7 +108,7 @@ def test_float32_keeps_its_digits_at_a_small_scale():
         cast = partial(jnp.asarray, dtype=dtype)
         sums[dtype] = expanded(*map(cast, (x, y, weights, sigma, v, omega)), 1000)
         assert all(leaf.dtype == dtype for leaf in jax.tree.leaves(sums[dtype]))
-    (value, slope, bend), (same, _) = sums[jnp.float32]
+    (value, gradient, hessian), (same, _) = sums[jnp.float32]
     (expected, *exact), _ = sums[jnp.float64]
 
     def log_weight(psi):
@@ -116,10 +116,10 @@ def test_float32_keeps_its_digits_at_a_small_scale():
 
     for found in (value, same):
         np.testing.assert_allclose(log_weight(found), log_weight(expected), atol=2e-5)
-    np.testing.assert_allclose(slope, exact[0], atol=1e-3 * np.abs(exact[0]).max())
-    # the Hessian is a difference of moments of the features: good to per cent, which costs steps but moves no optimum
-    np.testing.assert_allclose(bend, exact[1], atol=0.1 * np.abs(exact[1]).max())
-    # known bad: the same product in float32
+    np.testing.assert_allclose(gradient, exact[0], atol=1e-3 * np.abs(exact[0]).max())
+    # the Hessian is a difference of moments of the features. An error of some per cent costs steps but moves no optimum
+    np.testing.assert_allclose(hessian, exact[1], atol=0.1 * np.abs(exact[1]).max())
+    # for comparison: the same product in float32 is inaccurate
     product = jax.vmap(features.coefficients)(v, omega).astype(jnp.float32) @ features.feature_rows(
         x.astype(jnp.float32), y.astype(jnp.float32)
     )

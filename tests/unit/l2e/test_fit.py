@@ -44,7 +44,7 @@ def test_exact_pairs_give_the_exact_plane_in_any_unit_and_place(blob, scale, shi
     v0 = p.normal + [0.1, -0.05, 0.1]
     fit = fit_plane(x, y, SIGMA * scale, v0 / np.linalg.norm(v0))
     assert fit.converged
-    # coordinates of 1e4 sizes are themselves rounded to 1e-12 of the size
+    # at 1e4 times the size from the origin, coordinates are themselves rounded to 1e-12 of the size
     assert deviation_angle(fit.plane.normal, p.normal) <= 1e-6
     foot = p.offset * p.normal * scale + (p.x.mean(0) - (p.x.mean(0) @ p.normal) * p.normal) * scale
     diagonal = np.linalg.norm(np.ptp(x, axis=0))
@@ -131,7 +131,7 @@ def test_best_is_the_lowest_loss_that_converged(pairs, grid):
     loss = np.where(grid.converged, grid.loss, np.inf)
     np.testing.assert_array_equal(found.loss, loss.min(axis=1))
     assert found.converged.all()
-    # the winners struck out, another wins; all struck out, the lowest loss is returned with its own status
+    # fits that did not converge are ignored; if none converged, the lowest loss is returned with its own status
     short = sweep(pairs.x, pairs.y, [0.03, 0.05, 0.1], fibonacci(20), max_steps=0)
     mixed = jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=1), short, grid)
     np.testing.assert_array_equal(best(mixed)._replace(loss=None).num_steps, found.num_steps)
@@ -160,10 +160,10 @@ def test_jit_of_the_caller_changes_nothing(pairs):
 
 
 def flat_problem():
-    """Exact pairs and a start at right angles to their mirror: a saddle where no pair has any weight."""
+    """Exact pairs and a start perpendicular to their plane: a saddle where every weight is zero."""
     rng = np.random.default_rng(0)
     x = rng.normal(size=(NUM, 3)) * [0.0, 1.0, 0.0] + [0.0, 0.0, 1.0]
-    x[:, 0] = np.linspace(-1, 1, NUM)  # so far apart that each pair is alone at this sigma
+    x[:, 0] = np.linspace(-1, 1, NUM)  # spaced so far that at this sigma no two pairs interact
     return x, x * [1.0, 1.0, -1.0], np.array([1.0, 0.0, 0.0])
 
 
@@ -177,7 +177,7 @@ def test_a_plateau_is_flat_and_never_success():
     assert swept.message.tolist() == 3 * [fit.message]
 
 
-def test_a_sigma_above_the_scale_of_the_residual_is_noted_and_the_share_cut(pairs):
+def test_a_sigma_above_the_scale_of_the_residual_is_noted_and_the_fraction_clipped(pairs):
     fits = sweep(pairs.x, pairs.y, [0.01, 0.05], pairs.normal[None])
     assert fits.inlier_fraction.max() == 1
     assert fits.inlier_fraction[0, 0] < 1
@@ -198,7 +198,7 @@ def test_a_fit_keeps_its_start(pairs, grid):
     np.testing.assert_array_equal(chosen.start.normal, grid.start.normal[np.arange(3), row])
 
 
-def test_too_few_steps_are_said(pairs):
+def test_reaching_max_steps_is_reported(pairs):
     fit = fit_plane(pairs.x, pairs.y, SIGMA, np.array([0.6, 0.0, 0.8]), max_steps=2)
     assert not fit.converged
     assert "max_steps was reached" in fit.message

@@ -1,4 +1,4 @@
-"""The best plane of all, with no start: found where hardly any pair is right, in any unit and place."""
+"""`fit_global` finds the best plane without a start: among few inliers, in any unit and about any origin."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -23,7 +23,7 @@ def same_plane(plane, normal, offset, **tolerance):
 
 
 def assert_found(fit, p, angle=1.0):
-    """The planted plane, with a loss no higher than that of the fit that starts there."""
+    """Checks that the fit is the planted plane, with a loss no higher than that of the fit started there."""
     assert fit.converged
     assert deviation_angle(fit.plane.normal, p.normal) < angle
     there = fit_plane(p.x, p.y, float(fit.sigma), p.normal)
@@ -45,7 +45,7 @@ def test_among_90_per_cent_outliers_of_which_half_follow_a_second_plane(sigma):
 
 
 @pytest.mark.slow
-def test_among_more_pairs_than_the_planes_are_refined_on_at_first():
+def test_with_more_pairs_than_in_the_first_refinement():
     for seed in SEEDS:
         p = planted_pairs(np.random.default_rng(seed), 3 * NUM, 0.95)
         assert_found(fit_global(p.x, p.y, SIGMA), p)
@@ -54,7 +54,7 @@ def test_among_more_pairs_than_the_planes_are_refined_on_at_first():
 
 
 def test_at_a_large_scale_the_second_plane_is_the_better():
-    """Nothing but the criterion chooses: this is its optimum there, and it says so."""
+    """The criterion alone decides, and this is its optimum at that scale."""
     p, (normal, offset) = structured_pairs(0, NUM)
     fit = fit_global(p.x, p.y, 0.2)
     assert deviation_angle(fit.plane.normal, normal) < 2
@@ -121,8 +121,8 @@ def test_integer_weights_are_repeated_pairs(pairs):
 
 
 @pytest.mark.parametrize("far", [1e3, 1e6, 1e8, 1e10, 1e25])
-def test_one_wild_pair_moves_nothing(pairs, expected, far):
-    """However far off: its f is so large that its digits are as large as σ."""
+def test_one_far_pair_has_no_effect(pairs, expected, far):
+    """At any distance, even if the rounding error of its f exceeds σ²."""
     rng = np.random.default_rng(6)
     for _ in range(8):
         x, y = pairs.x.copy(), pairs.y.copy()
@@ -143,8 +143,8 @@ def test_float32_stays_float32_and_finds_it():
         assert deviation_angle(np.asarray(fit.plane.normal, float), p.normal) < 1
 
 
-def test_pairs_of_no_length_give_no_false_plane():
-    """Points on the mirror are their own images: no pair proposes a plane, and none may be invented."""
+def test_pairs_of_length_zero_give_no_false_plane():
+    """Points on the plane are their own mirror images and propose no plane."""
     x = np.random.default_rng(4).normal(size=(NUM, 3)) * [1, 1, 0]
     fit = fit_global(x, x, SIGMA)
     unit = abs(np.linalg.norm(fit.plane.normal) - 1) < 1e-9
@@ -178,7 +178,7 @@ def test_bad_arguments_are_refused_before_anything_is_computed(monkeypatch, chan
 
 
 @pytest.mark.slow
-def test_few_pairs_hypotheses_and_planes_will_do():
+def test_few_pairs_hypotheses_and_planes_suffice():
     x = np.array([[1.0, 0, 2], [0, 1, 1], [2, 1, 3]])
     fit = fit_global(x, x * [1, 1, -1], 0.5, num_hypotheses=2, num_refined=1)
     assert fit.converged

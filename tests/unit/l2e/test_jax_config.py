@@ -1,4 +1,4 @@
-"""float64 pairs are fitted in float64 under any flags, and what is traced keeps its type; and the compilation cache."""
+"""float64 pairs are fitted in float64 under any flags, traced pairs keep their type; and the compilation cache."""
 
 import os
 import subprocess
@@ -44,7 +44,7 @@ def default_flags():
 
 
 def is_double(fit):
-    """Whether every number of a fit is float64, and stays it in the next operation."""
+    """Whether all floating leaves of a fit are float64, and stay so in the next operation."""
     leaves = [leaf for leaf in jax.tree.leaves(fit) if np.issubdtype(leaf.dtype, np.floating)]
     return len(leaves) >= 8 and all((2 * leaf).dtype == np.float64 for leaf in leaves)
 
@@ -128,7 +128,7 @@ def run(*arguments, **environment):
     return folder, int(hits), int(misses)
 
 
-def test_what_one_process_compiled_the_next_one_loads(tmp_path):
+def test_a_process_loads_what_an_earlier_one_compiled(tmp_path):
     folder = tmp_path / "cache"
     _, hits, misses = run(str(folder))
     assert hits == 0

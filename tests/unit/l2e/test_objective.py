@@ -12,7 +12,7 @@ SIGMA = 0.3
 
 @pytest.fixture
 def pairs(rng):
-    """Pairs in no relation, and a plane in no relation to them."""
+    """Unrelated points as pairs, and an unrelated plane."""
     x, y, v = rng.normal(size=(40, 3)), rng.normal(size=(40, 3)), rng.normal(size=3)
     return jnp.asarray(v / np.linalg.norm(v)), jnp.asarray(0.3), jnp.asarray(0.4 * x), jnp.asarray(0.4 * y)
 

@@ -1,4 +1,4 @@
-"""Standard errors are the spread of the estimates, and the regions they span hold the truth as often as they say."""
+"""Standard errors match the spread of the estimates, and the confidence regions have their nominal coverage."""
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +15,7 @@ NUM, NOISE, OUTLIERS = 1000, 0.02, 0.5
 
 
 def drawn(seed):
-    """Pairs of which each is an outlier with the same chance: their number varies as in a sample."""
+    """Pairs that are outliers independently with the same probability, so that their number is random."""
     rng = np.random.default_rng(seed)
     return planted_pairs(rng, NUM, rng.binomial(NUM, OUTLIERS) / NUM, noise=NOISE)
 
@@ -25,7 +25,7 @@ def plane_of(fit):
 
 
 def trial(seed, sigma):
-    """Errors of one fit, squared: turn, distance, σ, ρ; their expected squares; whether the region holds the truth."""
+    """Squared errors of one fit (rotation, offset, σ, ρ), their expectation, and whether the region is correct."""
     p = drawn(seed)
     fit = fit_plane(p.x, p.y, sigma, p.normal)
     found = standard_errors(fit, p.x, p.y)
@@ -39,7 +39,7 @@ def trial(seed, sigma):
 
 
 @pytest.mark.parametrize(("sigma", "trials"), [(NOISE, 300), pytest.param("auto", 200, marks=pytest.mark.slow)])
-def test_they_are_the_spread_and_the_region_holds_the_truth(sigma, trials):
+def test_they_match_the_spread_and_the_region_has_its_coverage(sigma, trials):
     errors, expected, inside = zip(*(trial(1000 + k, sigma) for k in range(trials)), strict=True)
     ratio = np.sqrt(np.mean(errors, axis=0)[[0, 1, 3]] / np.mean(expected, axis=0)[[0, 1, 3]])
     np.testing.assert_allclose(ratio, 1, atol=0.15)
@@ -67,7 +67,7 @@ def given(pairs):
 
 
 def test_they_are_the_infinitesimal_jackknife(pairs, given):
-    """How the answer moves with the weight of every pair, squared and summed: another road to the same covariance."""
+    """The derivatives of the fit in the weights, squared and summed, estimate the same covariance."""
     _, found = given
 
     @jax.jit
@@ -86,7 +86,7 @@ def test_they_are_the_infinitesimal_jackknife(pairs, given):
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(1e-6, 0.0), (1e6, 1.0), (1.0, 30.0)])
-def test_they_follow_the_unit_and_not_the_place(pairs, given, scale, shift):
+def test_they_scale_with_the_unit_and_do_not_depend_on_the_origin(pairs, given, scale, shift):
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     x, y = (scale * (points @ rotation.T + shift) for points in (pairs.x, pairs.y))
     fit, found = errors_of(x, y, scale * NOISE, rotation @ pairs.normal)
@@ -95,15 +95,15 @@ def test_they_follow_the_unit_and_not_the_place(pairs, given, scale, shift):
     np.testing.assert_allclose(found.plane.offset, scale * expected.plane.offset, rtol=1e-6)
     np.testing.assert_allclose(found.inlier_fraction, expected.inlier_fraction, rtol=1e-6)
     np.testing.assert_allclose(found.plane.centre, scale * (rotation @ expected.plane.centre + shift), rtol=1e-6)
-    # the truth stays as far off, in standard errors
+    # the distance to the true plane in standard errors does not change
     normal = rotation @ pairs.normal
     truth = Plane(normal, scale * (pairs.offset + shift * normal.sum()))
     before = expected.plane.distance(plane_of(given[0]), Plane(pairs.normal, np.float64(pairs.offset)))
     np.testing.assert_allclose(found.plane.distance(plane_of(fit), truth), before, rtol=1e-5)
 
 
-def test_the_share_of_pairs_that_support_it_decides(pairs, given):
-    """Half of the mirror pairs: errors √2 times as large."""
+def test_they_depend_on_the_number_of_inliers(pairs, given):
+    """Half of the inliers give standard errors √2 times as large."""
     inlier = np.flatnonzero(pairs.inlier)[::2]
     rows = np.concatenate([np.flatnonzero(~pairs.inlier), inlier])
     _, found = errors_of(pairs.x[rows], pairs.y[rows], v0=pairs.normal)
@@ -111,12 +111,12 @@ def test_the_share_of_pairs_that_support_it_decides(pairs, given):
     np.testing.assert_allclose(ratio, np.sqrt(2), rtol=0.15)
 
 
-def test_weights_are_confidences_and_repetitions_are_taken_for_new_pairs(pairs, given):
-    """A common factor of the weights changes nothing. Listed twice, pairs count as twice as many independent ones."""
+def test_a_common_factor_of_the_weights_has_no_effect_and_repeated_pairs_count_as_independent(pairs, given):
+    """Pairs that are listed twice count as twice as many independent pairs."""
     expected = given[1]
     _, heavy = errors_of(pairs.x, pairs.y, v0=pairs.normal, weights=np.full(NUM, 3.0))
     np.testing.assert_allclose(heavy.plane.covariance, expected.plane.covariance, rtol=1e-8)
-    some = np.arange(NUM) >= NUM // 2  # the mirror pairs among them
+    some = np.arange(NUM) >= NUM // 2  # the inliers among them
     _, once = errors_of(pairs.x, pairs.y, v0=pairs.normal, weights=some)
     x, y = (np.tile(points[some], (2, 1)) for points in (pairs.x, pairs.y))
     _, twice = errors_of(x, y, v0=pairs.normal)
@@ -134,7 +134,7 @@ def test_weight_zero_is_absence(pairs):
 
 
 @pytest.mark.slow
-def test_exact_pairs_have_hardly_any_error():
+def test_exact_pairs_have_almost_no_error():
     p = planted_pairs(np.random.default_rng(2), NUM, 0.5, noise=0.0)
     for sigma in (NOISE, "auto"):
         fit, found = errors_of(p.x, p.y, sigma, p.normal)

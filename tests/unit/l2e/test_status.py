@@ -1,11 +1,11 @@
-"""How a solve ended: numbers and sentences."""
+"""The status of a solver as numbers and as sentences."""
 
 import numpy as np
 
 from symjax.l2e.status import Status, sentences
 
 
-def test_a_number_is_its_sentence_and_numbers_are_an_array_of_them():
+def test_every_number_has_its_sentence_and_a_batch_an_array_of_them():
     assert [member.value for member in Status] == list(range(len(Status)))
     for member in Status:
         assert sentences(member) == sentences(np.int32(member)) == member.sentence

@@ -1,4 +1,4 @@
-"""Sweeps as datasets: every number of the fits under its name, and back from netCDF."""
+"""Sweeps as datasets: all fields of the fits, and a round trip through netCDF."""
 
 import sys
 
@@ -34,7 +34,7 @@ def clouds():
 
 
 @pytest.mark.parametrize(("name", "dims"), [("fits", ("sigma", "restart")), ("clouds", ("cloud", "sigma", "restart"))])
-def test_every_number_is_there_under_its_name(request, name, dims):
+def test_the_dataset_holds_all_fields(request, name, dims):
     fit = request.getfixturevalue(name)
     data = fit.to_xarray()
     assert dict(data.sizes) == dict(zip((*dims, "xyz"), (*fit.loss.shape, 3), strict=True))
@@ -93,14 +93,14 @@ def test_how_a_solve_ended_is_explained(fits):
 
 
 @pytest.mark.parametrize("name", ["fits", "clouds"])
-def test_netcdf_gives_it_back(request, name, tmp_path):
+def test_netcdf_round_trip(request, name, tmp_path):
     data = request.getfixturevalue(name).to_xarray()
     data.to_netcdf(tmp_path / "sweep.nc", engine="scipy")
     with xarray.open_dataset(tmp_path / "sweep.nc", engine="scipy") as back:
         xarray.testing.assert_identical(back.load(), data)
 
 
-def test_what_is_no_sweep_is_refused(fits):
+def test_fits_that_are_not_a_sweep_are_refused(fits):
     for other in (best(fits), jax.tree.map(lambda leaf: leaf[0, 0], fits), jax.tree.map(lambda a: a[None, None], fits)):
         with pytest.raises(InvalidArgumentError, match=r"fits with axes \(.*\) are not a sweep"):
             other.to_xarray()
@@ -109,7 +109,7 @@ def test_what_is_no_sweep_is_refused(fits):
         fits._replace(sigma=spread).to_xarray()
 
 
-def test_without_xarray_it_says_what_to_install(fits, monkeypatch):
+def test_without_xarray_the_error_says_what_to_install(fits, monkeypatch):
     require_xarray()
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(InvalidArgumentError, match=r'pip install "xarray>=2024\.1"'):

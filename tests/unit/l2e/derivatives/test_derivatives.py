@@ -1,4 +1,4 @@
-"""The derivatives of the answer, by the implicit function theorem, through the public functions."""
+"""Derivatives of fits by the implicit function theorem, through the public functions."""
 
 from functools import partial
 
@@ -48,7 +48,7 @@ def central_difference(answer, values, tangent, step=1e-5):
 
 
 def assert_close(derivative, expected, relative):
-    """Relative to each entry, or to the length of the plane's derivative where that is larger."""
+    """The tolerance is relative to each entry, or to the norm of the plane's derivative if that is larger."""
     scale = np.maximum(np.abs(expected), np.linalg.norm(expected[:4]))
     assert (np.abs(derivative - expected) <= relative * scale).all()
 
@@ -66,8 +66,8 @@ def test_derivatives_are_those_of_central_differences(smooth, tangents, answer):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("solver", "relative"), [("irls", 1e-6), ("rbfgs", 1e-6), ("alternating", 1e-5)])
-def test_every_solver_has_the_derivatives_of_the_answer(smooth, tangents, v0, answer, solver, relative):
-    """They are taken at its own answer, which is known as well as its tolerance."""
+def test_every_solver_has_the_derivatives_of_newton(smooth, tangents, v0, answer, solver, relative):
+    """They are evaluated at the solver's own optimum, which is as accurate as its tolerance."""
     compiled = jax.jit(lambda values, tangents: jax.jvp(partial(outputs, v0, solver=solver), values, tangents))
     out, derivative = compiled(smooth, tangents)
     np.testing.assert_allclose(out, answer(*smooth), rtol=relative, atol=1e-7)

@@ -1,4 +1,4 @@
-"""The derivatives of the best plane are those of the fit that starts at it: forward, reverse, under vmap and jit."""
+"""`fit_global` has the derivatives of `fit_plane` started at its result: forward, reverse, under vmap and jit."""
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +12,7 @@ from symjax.l2e.fit_plane import fit_plane
 pytestmark = pytest.mark.slow
 
 NUM, SIGMA = 250, 0.03
-# below the default, so that differences of answers have their digits
+# below the default, so that differences of fits are accurate
 TOL = 1e-12
 
 
@@ -27,7 +27,7 @@ def outputs(fit):
 
 @pytest.fixture(scope="module")
 def smooth(pairs):
-    """Everything that an answer has a derivative in, with directions, and a direction of the answer."""
+    """All arguments that a fit is differentiable in, with tangents, and a cotangent of the outputs."""
     rng = np.random.default_rng(5)
     weights = rng.uniform(0.5, 1.5, NUM)
     values = tuple(map(jnp.asarray, (pairs.x, pairs.y, np.float64(SIGMA), weights)))
@@ -36,7 +36,7 @@ def smooth(pairs):
 
 
 def derivatives(answer):
-    """Compiled: the answer at the values, its derivative forward, and its pull-back."""
+    """A compiled function that returns the outputs at the values, their forward derivative, and the pull-back."""
 
     @jax.jit
     def compiled(values, tangents, cotangent):
@@ -51,7 +51,7 @@ def by_global():
     return derivatives(lambda x, y, sigma, weights: outputs(fit_global(x, y, sigma, weights=weights, tol=TOL)))
 
 
-def test_derivatives_are_those_of_the_fit_that_starts_at_the_answer(smooth, by_global):
+def test_derivatives_are_those_of_fit_plane_started_at_the_result(smooth, by_global):
     values, tangents, cotangent = smooth
     out, forward, reverse = by_global(*smooth)
     by_plane = derivatives(
@@ -79,7 +79,7 @@ def test_derivatives_are_those_of_central_differences(smooth, by_global):
 
 @pytest.mark.slow
 def test_clouds_go_through_vmap_and_jit(smooth, by_global):
-    """And the gradient of each is its own."""
+    """The gradient of every cloud in the batch is its own."""
     clouds = [planted_pairs(np.random.default_rng(seed), NUM, 0.8) for seed in (31, 32)]
     xs, ys = (jnp.stack([jnp.asarray(getattr(p, end)) for p in clouds]) for end in "xy")
 

@@ -1,4 +1,4 @@
-"""On vᵀA(θ)v the answer is known: an eigenvector, with the derivatives of first-order perturbation theory."""
+"""The minimiser of vᵀAv is an eigenvector, whose derivatives are known from first-order perturbation theory."""
 
 import jax
 import jax.numpy as jnp
@@ -71,7 +71,7 @@ def test_the_start_has_no_derivative(theta):
     np.testing.assert_array_equal(slope, 0)
 
 
-def test_the_value_moves_as_if_the_point_stood_still(theta):
+def test_the_value_has_the_derivative_at_a_constant_point(theta):
     A, E = theta
 
     def least(A):

@@ -1,4 +1,4 @@
-"""The estimated σ and share of mirror pairs have derivatives, and those are right."""
+"""The derivatives of the estimated σ and inlier fraction are correct."""
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,7 @@ from symjax.l2e.fit_plane import fit_plane
 pytestmark = pytest.mark.slow
 
 NUM = 250
-NAMES = ("normal x", "normal y", "normal z", "offset", "loss", "sigma", "share")
+NAMES = ("normal x", "normal y", "normal z", "offset", "loss", "sigma", "inlier fraction")
 
 
 @pytest.fixture(scope="module")
@@ -23,10 +23,10 @@ def values():
 
 @jax.jit
 def derivatives(values, tangents, cotangent):
-    """The answer, its derivative forward, and its pull-back."""
+    """Returns the outputs, their forward derivative, and the pull-back."""
 
     def answer(x, y, weights, v0):
-        # below the default tolerance, so that differences of answers have their digits
+        # below the default tolerance, so that differences of fits are accurate
         fit = fit_plane(x, y, "auto", v0, weights=weights, tol=1e-12)
         rest = jnp.stack([fit.plane.offset, fit.loss, fit.sigma, fit.inlier_fraction])
         return jnp.concatenate([fit.plane.normal, rest])
@@ -40,7 +40,7 @@ def moved(values, tangents, step):
     return derivatives(there, tangents, jnp.ones(7))[0]
 
 
-def test_the_answer_is_near_what_was_planted(values):
+def test_the_planted_scale_and_inlier_fraction_are_found(values):
     out, *_ = derivatives(values, values, jnp.ones(7))
     np.testing.assert_allclose(out[5], 0.03, rtol=0.15)
     np.testing.assert_allclose(out[6], 0.6, atol=0.1)
@@ -54,7 +54,7 @@ def test_derivatives_are_those_of_central_differences(values, which):
     assert np.abs(forward).min() > 0
     step = 2e-5
     at = {k: moved(values, tangents, k * step) for k in (-2, -1, 1, 2)}
-    central = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)  # its error is of the fourth order
+    central = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)  # of fourth order
     scale = np.maximum(np.abs(forward), np.linalg.norm(forward[:4]))
     for name, error in zip(NAMES, np.abs(central - forward) / scale, strict=True):
         assert error <= 1e-6, name
@@ -73,8 +73,8 @@ def test_reverse_is_the_transpose_of_forward_and_ignores_the_start(values):
         np.testing.assert_allclose(a, b, atol=1e-8 * np.abs(b).max())
 
 
-def test_scale_is_homogeneous_in_the_points_and_share_does_not_change(values):
-    """Euler: along the points themselves σ grows by itself, the loss by −3 times itself; along the weights nothing."""
+def test_scale_is_homogeneous_in_the_points_and_the_inlier_fraction_is_invariant(values):
+    """Euler's theorem: the derivative along the points is σ for σ and −3 times the loss; along the weights it is 0."""
     x, y, weights, _ = values
     zero = jnp.zeros_like
     out, by_points, _ = derivatives(values, (x, y, zero(weights), jnp.zeros(3)), jnp.ones(7))

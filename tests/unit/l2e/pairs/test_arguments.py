@@ -1,4 +1,4 @@
-"""What lives on a device is looked at there, with the words that the same array gets on the host."""
+"""Arrays on a device are checked there, and raise the same errors as arrays on the host."""
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +14,7 @@ SIGMA = 0.02
 
 
 class HostNumPy:
-    """NumPy, but for functions that would copy an array of JAX, of more than a few numbers, to the host."""
+    """NumPy whose functions refuse JAX arrays of more than three numbers, which they would copy to the host."""
 
     def __getattr__(self, name):
         found = getattr(np, name)
@@ -31,7 +31,7 @@ class HostNumPy:
 
 @pytest.fixture
 def on_device(monkeypatch):
-    """Arrays of JAX count as living on a device that is not the CPU, and are not copied."""
+    """Makes JAX arrays count as arrays on a device other than the CPU, and forbids copying them."""
     monkeypatch.setattr(
         arguments, "_on_device", lambda a: isinstance(a, jax.Array) and not isinstance(a, jax.core.Tracer)
     )
@@ -68,7 +68,7 @@ def refused(given, wrong, convert):
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_a_device_array_is_refused_with_the_words_for_the_host(pairs, name, request):
+def test_a_device_array_raises_the_error_of_a_host_array(pairs, name, request):
     given = {"x": jnp.asarray(pairs.x), "y": jnp.asarray(pairs.y), "weights": jnp.ones(60), "v0": jnp.eye(3)[0]}
     expected = refused(given, WRONG[name], np.asarray)
     request.getfixturevalue("on_device")

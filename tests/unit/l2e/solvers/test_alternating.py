@@ -19,7 +19,7 @@ def problem():
     return lambda z: scaled_log_loss(z[:3], z[3], 0.05, x, y), jnp.append(v / np.linalg.norm(v), p.offset)
 
 
-def test_same_optimum_as_the_riemannian_bfgs_in_more_rounds_than_one(problem):
+def test_same_optimum_as_riemannian_bfgs_in_several_rounds(problem):
     turns = alternate(*problem, tol=1e-7)
     both = minimise(*problem, manifold=SPHERE_LINE, tol=1e-10)
     assert turns.status == Status.SUCCESSFUL

@@ -1,4 +1,4 @@
-"""Many solves at once are the solves one by one, whatever their number, their cost and the devices."""
+"""Batched solves equal the solves one by one, for any number, any cost and several devices."""
 
 import os
 import subprocess
@@ -22,7 +22,7 @@ MAX_STEPS = 90
 
 
 def halving(factor, seen: Callable[[jax.Array], None] | None = None) -> Solver:
-    """Shrinks the start by a factor a step until it is below 1e-6: a solver of known cost that compiles fast."""
+    """A solver of known cost that compiles fast: it multiplies the start by a factor until it is below 1e-6."""
 
     def should_continue(state):
         z, k = state
@@ -42,7 +42,7 @@ def halving(factor, seen: Callable[[jax.Array], None] | None = None) -> Solver:
 
 
 def solves(num, seed=0):
-    """Solves that take no step, few, many, all that are allowed, and ones that are no number."""
+    """Solves that take no, few, many or all allowed steps, and some that are NaN."""
     rng = np.random.default_rng(seed)
     factor = rng.choice([0.01, 0.3, 0.8, 0.99], num, p=[0.4, 0.3, 0.2, 0.1])
     start = rng.choice([1e-9, 1.0, 1e3, np.nan], (num, 1), p=[0.1, 0.5, 0.3, 0.1])
@@ -91,14 +91,14 @@ def test_parameters_may_be_trees():
 
 
 def test_a_batch_does_not_wait_for_its_slowest():
-    """Steps of solves that are computed: of 256, 8 take 90 steps and the rest 4."""
+    """Counts the steps that are computed: of 256 solves, 8 take 90 steps and the rest 4."""
     counts = []
     factor = jnp.where(jnp.arange(256) % 32 == 5, 0.99, 0.01)
     run = jax.jit(lambda factor, starts: solve_batch(lambda f: halving(f, counts.append), factor, starts))
     found = run(factor, jnp.ones((256, 2)))
     jax.effects_barrier()
     assert found.num_steps.sum() == 8 * MAX_STEPS + 248 * 4
-    assert found.num_steps.sum() < len(counts) < 256 * MAX_STEPS / 5  # under vmap, all take 90
+    assert found.num_steps.sum() < len(counts) < 256 * MAX_STEPS / 5  # under vmap all would take 90
 
 
 def swept(starts):
@@ -111,7 +111,7 @@ STARTS = fibonacci(150)
 
 @pytest.fixture(scope="module")
 def many():
-    """Newton's solves, of very different cost; some run out of steps."""
+    """Newton solves of very different cost; some reach max_steps."""
     fits = swept(STARTS)
     assert len(np.unique(fits.status)) == 2
     return fits
@@ -155,7 +155,7 @@ def test_several_devices_give_what_one_gives(many, tmp_path):
             np.testing.assert_allclose(found[name], value, rtol=1e-8, atol=1e-8)
 
 
-def test_solves_that_run_out_of_steps_say_so():
+def test_solves_that_reach_max_steps_report_it():
     found = together(jnp.asarray([0.99, 0.01, 0.99]), jnp.ones((3, 2)))
     expected = [Status.MAX_STEPS_REACHED, Status.SUCCESSFUL, Status.MAX_STEPS_REACHED]
     assert found.status.tolist() == expected

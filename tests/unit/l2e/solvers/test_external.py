@@ -1,4 +1,4 @@
-"""A minimiser of optimistix reaches the optimum of our own solvers, with our derivatives."""
+"""Optimistix minimisers reach the optimum of our own solvers, with the same derivatives."""
 
 import subprocess
 import sys
@@ -40,8 +40,8 @@ def test_the_best_of_many_starts_is_that_of_our_solvers(pairs):
         same(best(found), best(sweep(pairs.x, pairs.y, [SIGMA, 0.2], starts, solver=solver)))
 
 
-def test_a_start_in_the_other_half_sphere_is_no_hindrance():
-    """Wide σ, one basin: from a normal at more than 90 degrees along the way, no one chart reaches the optimum."""
+def test_a_start_in_the_other_half_sphere_converges():
+    """At a large σ there is one basin. From more than 90 degrees away no single chart contains the optimum."""
     p = planted_pairs(np.random.default_rng(1), NUM, 0.0, "wide", noise=0.01)
     across = np.linalg.svd(p.normal[None])[2][1]
     for angle in (95, 120, 150):
@@ -51,7 +51,7 @@ def test_a_start_in_the_other_half_sphere_is_no_hindrance():
         same(fit, fit_plane(p.x, p.y, 1.0, p.normal))
 
 
-def test_another_minimiser_goes_too(pairs):
+def test_another_minimiser_works_too(pairs):
     fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.NonlinearCG(rtol=1e-8, atol=1e-8))
     assert fit.converged
     same(fit, fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal))
@@ -59,7 +59,7 @@ def test_another_minimiser_goes_too(pairs):
 
 @pytest.mark.slow
 def test_convergence_is_judged_by_our_own_tolerance(pairs):
-    """A minimiser that is content with little goes on in the next chart until the gradient is within tol."""
+    """A minimiser with loose tolerances continues in further charts until the gradient is within tol."""
     fit = fit_plane(pairs.x, pairs.y, SIGMA, pairs.normal, solver=optx.BFGS(rtol=0.1, atol=0.1))
     assert fit.converged
     assert fit.grad_norm <= np.finfo(float).eps ** 0.4
@@ -70,7 +70,7 @@ def test_convergence_is_judged_by_our_own_tolerance(pairs):
 
 
 @pytest.mark.slow
-def test_it_goes_through_jit_vmap_and_grad(pairs):
+def test_jit_vmap_and_grad_apply_to_it(pairs):
     v0 = jnp.asarray(pairs.normal)
 
     def offset(x, y, sigma, solver):
@@ -98,7 +98,7 @@ def test_optimistix_is_imported_when_it_is_used():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
-def test_what_is_no_solver_is_refused(pairs):
+def test_invalid_solvers_are_refused(pairs):
     with pytest.raises(InvalidArgumentError, match="pass them as numbers, not as arrays"):
         fit_plane(pairs.x, pairs.y, SIGMA, solver=optx.BFGS(rtol=jnp.asarray(1e-8), atol=1e-8))
     with pytest.raises(InvalidArgumentError, match="neither a name nor an optimistix minimiser"):

@@ -41,7 +41,7 @@ def test_armijo_step_decreases_enough_and_never_exceeds_the_first(name, step):
 
 
 @pytest.mark.any_precision
-def test_no_step_is_found_where_the_slope_lies():
+def test_no_step_is_found_if_the_slope_is_wrong():
     def curve(t):
         return Trial(t, t[None], 1 + t, jnp.ones(1), jnp.ones(()))
 
@@ -51,7 +51,7 @@ def test_no_step_is_found_where_the_slope_lies():
 
 
 def test_a_level_step_to_rounding_is_accepted_on_its_slope():
-    """Armijo's condition asks for a decrease of 1e-21 of a value of 1: no float64 shows it."""
+    """Armijo's condition requires a decrease of 1e-21 of a value of 1, which float64 cannot represent."""
 
     def curve(t):
         return Trial(t, t[None], jnp.asarray(1.0), jnp.zeros(1), 1e-17 * (t - 1))
@@ -61,7 +61,7 @@ def test_a_level_step_to_rounding_is_accepted_on_its_slope():
     np.testing.assert_array_equal(trial.step, 1)
 
 
-def test_a_step_out_of_the_functions_domain_is_shortened():
+def test_a_step_out_of_the_domain_of_the_function_is_shortened():
     curve = partial(trial_at, lambda t: -jnp.log(2.0 - t) * 0 - jnp.sqrt(2.0 - t) - 2 * t)
     trial, found = armijo(curve, curve(jnp.asarray(0.0)), jnp.asarray(3.0))
     assert found

@@ -1,4 +1,4 @@
-"""Trust-region Newton beside the other solvers: the same optimum in few steps, from anywhere, and how it ends."""
+"""Trust-region Newton: few steps to the optimum of the other solvers, from any start, and its final status."""
 
 from functools import partial
 
@@ -18,13 +18,13 @@ from symjax.l2e.status import Status
 
 NUM, NUM_STARTS, TOL = 1000, 32, 1e-8
 
-# the alternation's inner solver sees no decrease below a gradient of about 1e-7
+# the inner solver of the alternation sees no decrease below a gradient of about 1e-7
 REACHED = {"newton": TOL, "irls": TOL, "rbfgs": TOL, "alternating": 1e-6}
 
 
 def solved(x, y, sigma, starts, tol=TOL, max_steps=200, name="newton"):
     """The minima from several starts, and the curvatures there."""
-    return compiled(x, y, sigma, starts, tol, max_steps, name)  # all arguments, whatever is given: one program
+    return compiled(x, y, sigma, starts, tol, max_steps, name)  # always all arguments: one program
 
 
 @partial(jax.jit, static_argnums=6)
@@ -40,13 +40,13 @@ def ended(found, how):
 
 
 def planted(seed, outliers):
-    """Pairs about the origin, of unit radius: in the solvers' own units."""
+    """Pairs about the origin and of unit radius, as the solvers take them."""
     p = planted_pairs(np.random.default_rng(seed), NUM, outliers, shift=0.0)
     return p, jnp.asarray(p.x), jnp.asarray(p.y)
 
 
 def near(p, seed=0, angle=0.15):
-    """Starts within so many radians of the planted plane, and as far from its offset in radii."""
+    """Starts within `angle` radians of the planted normal, and within `angle` radii of its offset."""
     rng = np.random.default_rng(seed)
     across = np.cross(p.normal, rng.normal(size=(NUM_STARTS, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
@@ -70,7 +70,7 @@ def half():
 @pytest.mark.parametrize("name", SOLVERS)
 def test_every_solver_reaches_the_same_optimum(half, name):
     p, x, y = half
-    # from farther off they may end in different optima
+    # from farther away they may end in different optima
     starts = near(p, angle=0.08)
     expected, _ = solved(x, y, 0.05, starts, tol=1e-12)
     found, _ = solved(x, y, 0.05, starts, tol=REACHED[name], name=name)
@@ -120,7 +120,7 @@ def test_the_tail_is_quadratic(half):
 
 @pytest.fixture(scope="module")
 def box():
-    """Exact pairs of a cloud with two more planes of symmetry: those are stationary, and no minima."""
+    """Exact pairs of a cloud with two more symmetry planes, which are saddles of the criterion."""
     corner = np.random.default_rng(3).normal(size=(NUM // 8, 3)) * [1, 0.7, 0.5]
     signs = np.stack(np.meshgrid(*3 * [[1, -1]]), axis=-1).reshape(8, 1, 3)
     x = jnp.asarray((signs * corner).reshape(-1, 3))
@@ -129,7 +129,7 @@ def box():
 
 @pytest.mark.parametrize("name", ["newton", "irls"])
 @pytest.mark.parametrize("sigma", [0.1, 0.5, 2.0])
-def test_a_saddle_is_left_at_once(box, sigma, name):
+def test_solvers_escape_a_saddle_at_once(box, sigma, name):
     x, y = box
     apart = 1e-6 * np.random.default_rng(4).normal(size=(NUM_STARTS, 4))
     v = np.eye(3)[np.arange(NUM_STARTS) % 2] + apart[:, :3]
@@ -145,7 +145,7 @@ def test_a_saddle_is_left_at_once(box, sigma, name):
 
 
 @pytest.mark.parametrize("name", SOLVERS)
-def test_how_a_solve_ends_is_said(half, name):
+def test_the_status_is_correct(half, name):
     p, x, y = half
     starts = near(p)
     found, _ = solved(x, y, 0.05, starts, max_steps=1, name=name)
@@ -177,7 +177,7 @@ def test_float32_converges_from_anywhere():
 
 
 def test_a_plane_that_no_pair_supports_is_flat():
-    """Where the nearest pairs are hundreds of σ from any plane through them, a stationary point is no success."""
+    """A stationary point is not a success if all pairs are hundreds of σ away from mirror pairs of the plane."""
     rng = np.random.default_rng(5)
     x = rng.normal(size=(60, 3)) * [0.0, 1.0, 0.0] + [0.0, 0.0, 1.0]
     x[:, 0] = np.linspace(-1, 1, 60)

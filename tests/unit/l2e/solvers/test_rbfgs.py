@@ -32,7 +32,7 @@ def test_finds_the_smallest_eigenvector(rng):
     np.testing.assert_allclose(jnp.linalg.norm(minima.point, axis=1), 1, atol=1e-14)
 
 
-def test_vmap_is_the_python_loop_and_jit_is_no_jit(rng):
+def test_vmap_equals_the_python_loop_and_jit_changes_nothing(rng):
     H, v0 = symmetric(rng, 4), random_points(jax.random.key(1), 4)
     together = jax.vmap(quadratic)(H, v0)
     compiled = jax.jit(quadratic)
@@ -117,7 +117,7 @@ def test_a_solve_that_fails_says_why(fun, options, expected):
 
 
 def test_negative_curvature_is_crossed_in_few_steps():
-    """From beside a maximum the inverse Hessian has no scale to learn; without growth this took hundreds."""
+    """Near a maximum the inverse Hessian has no scale to learn. Without growth this took hundreds of steps."""
     H = jnp.diag(jnp.asarray([1.0, 0.999, 0.0]))
     v0 = jnp.asarray([1.0, 1e-3, 1e-4])
     minimum = quadratic(1e-3 * H, v0 / jnp.linalg.norm(v0), max_steps=60)

@@ -1,4 +1,4 @@
-"""Eigenvalues by Jacobi's rotations are those of LAPACK, for matrices that are hard in every way."""
+"""Eigenvalues by Jacobi rotations are those of LAPACK, for difficult matrices too."""
 
 import jax
 import jax.numpy as jnp
@@ -77,7 +77,7 @@ def test_the_worst_of_many_is_diagonal_to_rounding(rng):
     check(matrices, *eigh(jnp.asarray(matrices)), np.finfo(float).eps)
 
 
-def test_a_matrix_without_a_number_gives_none(rng):
+def test_a_nan_matrix_gives_nan_and_does_not_affect_the_others(rng):
     matrices = symmetric(rng, 2, 3)
     matrices[0, 1, 1] = np.nan
     values, vectors = eigh(jnp.asarray(matrices))

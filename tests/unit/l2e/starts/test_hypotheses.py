@@ -1,4 +1,4 @@
-"""Pairs propose planes: one mirror pair is enough, no two that are kept are alike, and absent pairs propose nothing."""
+"""Hypotheses: one inlier is enough, the kept planes are distinct, and pairs of weight 0 propose nothing."""
 
 import jax
 import jax.numpy as jnp
@@ -26,7 +26,7 @@ SIGMA = jnp.asarray(0.05)
 
 
 def normalised(x, y, weights=None):
-    """The pairs as the solver sees them: padded, centred, scaled."""
+    """The pairs as the solvers take them: padded, centred, scaled."""
     return made(*pad_pairs(x, y, weights)[:3])
 
 
@@ -48,7 +48,7 @@ def in_own_units(points, pairs: NormalisedPairs):
 
 
 def alike(points, plane):
-    """Which planes are those of one of several pairs of normal and offset, whatever their sign."""
+    """Which of the planes are near a plane; (v, ω) and (−v, −ω) are the same plane."""
     side = np.where(points[:, :3] @ plane[:3] < 0, -1, 1)
     near = deviation_angle(points[:, :3], np.broadcast_to(plane[:3], (len(points), 3))) < SAME_ANGLE
     return near & (np.abs(side * points[:, 3] - plane[3]) < SAME_OFFSET)
@@ -61,15 +61,15 @@ def test_every_pair_is_mirrored_exactly_by_the_plane_it_proposes(planted):
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
     cosine = np.abs(normals @ expected.T)
     pair = cosine.argmax(axis=1)
-    assert len(np.unique(pair)) == NUM  # all have their say
+    assert len(np.unique(pair)) == NUM  # every pair proposes a plane
     np.testing.assert_allclose(cosine.max(axis=1), 1, atol=1e-12)
     x, y = planted.x[pair], planted.y[pair]
     image = x - 2 * (np.sum(x * normals, axis=1) - offsets)[:, None] * normals
     np.testing.assert_allclose(image, y, atol=1e-11)
 
 
-def test_one_mirror_pair_names_the_plane(planted):
-    """Its plane is among the hypotheses, and with two more that agree it is the best."""
+def test_one_inlier_determines_the_plane(planted):
+    """Its plane is among the hypotheses, and with two more inliers it is the best."""
     inlier = np.flatnonzero(planted.inlier)
     length = np.linalg.norm((planted.y - planted.x)[inlier], axis=1)
     few = inlier[np.argsort(-length)[:3]]
@@ -85,8 +85,8 @@ def test_one_mirror_pair_names_the_plane(planted):
 
 
 @pytest.mark.parametrize("sigma", [0.02, 0.1, 0.5])
-def test_what_is_kept_is_distinct_and_the_best_first(sigma):
-    p = planted_pairs(np.random.default_rng(22), NUM_RANKING_PAIRS, 0.8)  # so many that each is ranked on once
+def test_kept_hypotheses_are_distinct_and_the_best_come_first(sigma):
+    p = planted_pairs(np.random.default_rng(22), NUM_RANKING_PAIRS, 0.8)  # every pair is in the ranking sample once
     pairs = normalised(p.x, p.y)
     proposed = proposed_by(pairs)
     kept = np.asarray(screen(proposed, pairs, jnp.asarray(sigma)))
@@ -98,7 +98,7 @@ def test_what_is_kept_is_distinct_and_the_best_first(sigma):
     rounding = 1e-5 * sigma**2  # they are ranked in float32
     assert (np.diff(values) >= -rounding).all()
     assert values[0] <= everyone.min() + rounding
-    # what is left out and would have come before the last is like one that is kept
+    # a dropped hypothesis that is better than the last one kept is near one of those kept
     for z in np.asarray(proposed.points)[np.asarray(proposed.usable)][everyone < values[-1] - rounding]:
         assert alike(kept, z).any()
 
@@ -110,24 +110,24 @@ def turned(angle, offset):
 choose = jax.jit(plane_nms, static_argnums=2)
 
 
-def test_near_duplicates_are_left_out():
+def test_near_duplicates_are_dropped():
     planes = [(0, 0), (4.9, 0), (5.1, 0), (0, 0.029), (0, 0.031), (179, 0.0), (180, 0.02), (180, -0.2), (90, 0)]
     points = jnp.asarray([turned(*plane) for plane in planes])
     values = jnp.arange(9.0)
     rows = choose(points, values, 5)
-    # 180 degrees turn the normal about: the plane of (180, 0.2) is that of (0, −0.2)
+    # a rotation by 180 degrees flips the normal: the plane of (180, 0.2) is that of (0, −0.2)
     assert rows.tolist() == [0, 2, 4, 7, 8]
     assert choose(points, values, 3).tolist() == [0, 2, 4]
     assert choose(points, values[::-1], 2).tolist() == [8, 7]
 
 
-def test_fewer_distinct_planes_than_asked_are_the_best_again():
+def test_the_best_is_repeated_if_there_are_too_few_distinct_planes():
     points = jnp.asarray([turned(1, 0), turned(0, 0), turned(60, 0), turned(61, 0)])
     assert choose(points, jnp.asarray([2.0, 1.0, 3.0, jnp.inf]), 6).tolist() == [1, 2, 1, 1, 1, 1]
     assert choose(points, jnp.asarray([2.0, jnp.inf, jnp.inf, jnp.inf]), 3).tolist() == [0, 0, 0]
 
 
-def test_fewer_pairs_than_hypotheses_propose_all_the_same():
+def test_fewer_pairs_than_hypotheses_work_too():
     x = np.random.default_rng(2).normal(size=(3, 3))
     y = x * [-1, 1, 1]
     pairs = normalised(x, y)
@@ -142,11 +142,11 @@ def counts(weights, num):
 
 
 @pytest.mark.parametrize("num", [1, 7, 512, 1024])
-def test_pairs_are_drawn_as_often_as_they_weigh(num):
+def test_pairs_are_drawn_in_proportion_to_their_weights(num):
     rng = np.random.default_rng(5)
     for weights in (np.ones(NUM), rng.uniform(0, 1, NUM), rng.exponential(size=NUM) ** 3):
         expected = num * weights / weights.sum()
-        # one from every num-th of the total weight
+        # one from every stratum of the total weight
         assert np.abs(counts(weights, num) - expected).max() < 2
         np.testing.assert_array_equal(counts(1e-6 * weights, num), counts(weights, num))
 
@@ -161,14 +161,14 @@ def test_pairs_of_weight_zero_are_never_drawn(absent, dtype):
 
 
 def test_no_order_of_the_pairs_is_drawn_unevenly():
-    """Pairs listed in turns, good and bad, are drawn alike: the sample has no period."""
+    """The sample does not resonate with pairs that alternate between good and bad."""
     for period in (2, 3, 4, 8, 16):
         found = counts(np.ones(4080), 512).reshape(-1, period).sum(axis=0)
         assert np.abs(found / 512 - 1 / period).max() < 0.03
 
 
 @pytest.mark.parametrize("absent", [range(60), range(100, 180), range(0, NUM, 3)])
-def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
+def test_pairs_of_weight_zero_or_length_zero_propose_nothing(absent):
     planted = planted_pairs(np.random.default_rng(23), NUM, 0.5)
     x, y, weights = planted.x.copy(), planted.y.copy(), np.ones(NUM)
     away, points = np.array_split(list(absent), 2)
@@ -190,7 +190,7 @@ def test_absent_pairs_and_pairs_of_no_length_propose_nothing(absent):
     assert deviation_angle(normals[0], planted.normal) < 5
 
 
-def test_a_normal_is_lifted_to_the_best_of_the_offsets_tried(planted):
+def test_a_normal_gets_the_best_of_the_offsets_tried(planted):
     pairs = normalised(planted.x, planted.y)
     raised = offset_search(pairs)
     sigma = jnp.asarray(0.1)

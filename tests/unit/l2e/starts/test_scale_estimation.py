@@ -1,4 +1,4 @@
-"""σ and the share of mirror pairs, estimated with the plane: right among outliers, in any unit, for exact pairs too."""
+"""σ and the inlier fraction are estimated correctly among outliers, in any unit, and for exact pairs."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -22,7 +22,7 @@ def estimated(x, y, **options):
 
 
 @pytest.mark.parametrize("outliers", [0.0, 0.3, 0.6, 0.8])
-def test_scale_and_share_are_those_that_were_planted(outliers):
+def test_planted_scale_and_inlier_fraction_are_found(outliers):
     fits = []
     for seed in range(5):
         p = planted_pairs(np.random.default_rng(seed), NUM, outliers)
@@ -37,7 +37,7 @@ def test_scale_and_share_are_those_that_were_planted(outliers):
 
 
 @pytest.mark.parametrize("noise", [0.001, 0.05])
-def test_other_noise_is_another_scale(noise):
+def test_the_scale_follows_the_noise(noise):
     p = planted_pairs(np.random.default_rng(7), NUM, 0.5, noise=noise)
     fit = estimated(p.x, p.y)
     np.testing.assert_allclose(fit.sigma, noise, rtol=0.1)
@@ -55,7 +55,7 @@ def expected(pairs):
 
 
 def test_it_is_the_minimum_of_the_partial_density_criterion(pairs, expected):
-    """Scott's criterion, as written, over the plane, σ and ρ, by another minimiser."""
+    """Scott's criterion in its direct form over the plane, σ and ρ, minimised by SciPy."""
 
     def criterion(z):
         v = z[:3] / np.linalg.norm(z[:3])
@@ -92,7 +92,7 @@ def test_share_is_that_of_the_weights(pairs, expected):
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(1e-8, 0.0), (1e8, 1.0), (1.0, 1e3)])
-def test_scale_follows_the_unit_and_not_the_place(pairs, expected, scale, shift):
+def test_scale_follows_the_unit_and_does_not_depend_on_the_origin(pairs, expected, scale, shift):
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     x, y = (scale * (points @ rotation.T + shift) for points in (pairs.x, pairs.y))
     fit = estimated(x, y)
@@ -103,7 +103,7 @@ def test_scale_follows_the_unit_and_not_the_place(pairs, expected, scale, shift)
     assert deviation_angle(fit.plane.normal, rotation @ np.asarray(expected.plane.normal)) < 1e-5
 
 
-def test_weight_zero_is_absence_and_order_is_nothing(pairs):
+def test_weight_zero_is_absence_and_order_has_no_effect(pairs):
     order = np.random.default_rng(3).permutation(NUM)
     x, y = pairs.x[order], pairs.y[order]
     absent = np.arange(NUM) % 4 == 0
@@ -117,7 +117,7 @@ def test_weight_zero_is_absence_and_order_is_nothing(pairs):
 
 
 @pytest.mark.parametrize("outliers", [0.0, 0.5])
-def test_exact_pairs_have_hardly_any_scale(outliers):
+def test_exact_pairs_have_almost_no_scale(outliers):
     p = planted_pairs(np.random.default_rng(8), NUM, outliers, noise=0.0)
     fit = estimated(p.x, p.y)
     assert fit.converged
@@ -127,7 +127,7 @@ def test_exact_pairs_have_hardly_any_scale(outliers):
 
 
 def test_no_mirror_pairs_at_all_give_no_small_scale():
-    """Any one pair is fitted exactly by a plane: that is no optimum."""
+    """A plane fits any single pair exactly. Such a plane is not a valid optimum."""
     p = planted_pairs(np.random.default_rng(9), NUM, 1.0)
     fit = estimated(p.x, p.y)
     assert np.isfinite([fit.loss, fit.sigma, fit.inlier_fraction]).all()
@@ -159,14 +159,14 @@ def test_only_newton_estimates(monkeypatch, solver):
 
 
 @pytest.mark.parametrize("num_pairs", [3, 8, 15])
-def test_few_pairs_are_no_convergence(num_pairs):
+def test_few_pairs_do_not_converge(num_pairs):
     p = planted_pairs(np.random.default_rng(0), num_pairs, 0.0)
     fit = estimated(p.x, p.y)
     assert not fit.converged
     assert "fewer than 20" in fit.message
 
 
-def test_no_plane_on_a_handful_of_many_pairs_is_a_convergence():
+def test_a_plane_supported_by_few_of_many_pairs_does_not_converge():
     converged = []
     for seed in range(6):
         p = planted_pairs(np.random.default_rng(seed), 200, 0.8)

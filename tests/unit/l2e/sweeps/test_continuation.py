@@ -1,4 +1,4 @@
-"""From the largest σ to the smallest: never worse than a new start at every σ, whatever the outliers."""
+"""A continuation is never worse than independent fits at every σ, for random and structured outliers."""
 
 import jax
 import numpy as np
@@ -24,7 +24,7 @@ def made(seed, share):
 
 
 def objective(fits):
-    """The objective of Eq. 5, from which the loss is a constant away."""
+    """The objective of Eq. 5: the constant first term of the loss, minus the loss."""
     return (4 * np.pi * np.asarray(fits.sigma) ** 2) ** -1.5 - np.asarray(fits.loss)
 
 
@@ -51,8 +51,8 @@ def followed(rival):
     return sweep(rival[0].x, rival[0].y, SIGMAS, continuation=True)
 
 
-def test_it_changes_planes_where_another_becomes_the_better(rival, followed):
-    """The second plane at a large σ, the planted one near the noise: a plain warm start keeps the first."""
+def test_it_switches_planes_when_another_becomes_better(rival, followed):
+    """The second plane is better at a large σ, the planted one near the noise. Warm starts alone keep the second."""
     p, (normal, _) = rival
     plane = best(followed).plane
     assert deviation_angle(plane.normal[0], normal) < 5

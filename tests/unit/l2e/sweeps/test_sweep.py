@@ -1,4 +1,4 @@
-"""Sweeps: starts by name, every σ and every start in its place, and what is refused."""
+"""Sweeps: named starts, the order of scales and starts, and invalid arguments."""
 
 import jax
 import jax.numpy as jnp
@@ -48,7 +48,7 @@ def test_even_and_random_starts_are_those_of_the_sphere(pairs, even):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NORMALS)
 def test_a_start_that_is_one_normal_is_that_normal(pairs, name):
-    """There is one of it, however many restarts are asked for."""
+    """It is a single start, regardless of `restarts`."""
     normal = NORMALS[name](jnp.asarray(pairs.x), jnp.asarray(pairs.y))
     found, given = swept(pairs, name), swept(pairs, normal[None])
     assert found.loss.shape == given.loss.shape == (3, 1)

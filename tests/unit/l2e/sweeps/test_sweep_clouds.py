@@ -1,4 +1,4 @@
-"""Many clouds in one sweep: their axis comes first, and few of their sizes are compiled."""
+"""Sweeps of many clouds: the axis of the clouds comes first, and few sizes are compiled."""
 
 import jax
 import numpy as np
@@ -70,7 +70,7 @@ def test_axes_are_clouds_sigmas_and_starts(three):
         assert (deviation_angle(found.plane.normal[k], p.normal[None]) < 1).all()
 
 
-def test_what_is_no_cloud_is_refused(three):
+def test_invalid_clouds_are_refused(three):
     with pytest.raises(InvalidArgumentError, match="clouds is empty"):
         sweep_clouds([], [0.05])
     bad = [(three[0].x, three[0].y), (three[1].x[:2], three[1].y[:2])]
