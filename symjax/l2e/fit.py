@@ -137,7 +137,10 @@ def best(fits: Fit) -> Fit:
     return selected
 
 
-def psi(z: Float[Array, " 4"], theta: tuple[Array, Array, Array, Array]) -> Float[Array, ""]:
+Theta = tuple[Float[Array, "n 3"], Float[Array, "n 3"], Float[Array, " n"], Float[Array, ""]]
+
+
+def psi(z: Float[Array, " 4"], theta: Theta) -> Float[Array, ""]:
     """Computes `scaled_log_loss` as a function of the plane and of all quantities that a fit is differentiable in.
 
     In float64 it uses one matrix product, in plain JAX, which is many times faster under `vmap` than the direct

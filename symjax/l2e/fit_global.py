@@ -10,7 +10,7 @@ from symjax.geometry.checks import whole
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given, jit
+from symjax.l2e.jax_config import jit, keep_float64
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_sigma
 from symjax.l2e.pairs.normalised import normalise_pairs
 from symjax.l2e.pairs.padded import PaddedPairs, pad_pairs
@@ -56,7 +56,7 @@ def _fit_global(
     return unscale(normalised, scaled, minimum, starts[lowest])
 
 
-@float64_as_given
+@keep_float64
 def fit_global(
     x: Points,
     y: Points,

@@ -11,7 +11,7 @@ from symjax.geometry.checks import choice
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given, jit
+from symjax.l2e.jax_config import jit, keep_float64
 from symjax.l2e.manifolds import normalise
 from symjax.l2e.pairs.arguments import Points, Sigma, Weights, checked_normals, checked_sigma
 from symjax.l2e.pairs.normalised import normalise_pairs
@@ -51,7 +51,7 @@ def _fit_plane(
     return unscale(normalised, scaled, solve(make_solver(solver, criterion, limits), point), point)
 
 
-@float64_as_given
+@keep_float64
 def fit_plane(
     x: Points,
     y: Points,

@@ -32,7 +32,7 @@ def full_precision(function: Callable[P, R]) -> Callable[P, R]:
     return decorated
 
 
-def float64_as_given(function: Callable[P, R]) -> Callable[P, R]:
+def keep_float64(function: Callable[P, R]) -> Callable[P, R]:
     """Makes a function of pairs `x` and `y` compute in float64 if either is float64 and no argument is traced.
 
     Lists and integers count as float64. JAX's x64 flag is set only during the call. The result then consists of NumPy

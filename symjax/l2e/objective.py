@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from symjax.geometry.arrays import AnyArray
-from symjax.l2e.jax_config import float64_as_given
+from symjax.l2e.jax_config import keep_float64
 
 Vector = Float[AnyArray, " 3"]
 Scalar = Float[Array, ""]
@@ -37,19 +37,19 @@ def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float
     return 4 * ((_along(m, v) - omega) ** 2 + across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
 
 
-@float64_as_given
+@keep_float64
 def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, " n"]:
     """Computes the weights exp(−f_i/2σ²): 1 for an exact mirror pair of the plane, nearly 0 for an outlier."""
     return jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
 
 
-@float64_as_given
+@keep_float64
 def l2e_objective(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Scalar:
     """Computes f(v, ω) of Eq. 5, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
     return 2 * jnp.mean(l2e_weights(v, omega, sigma, x, y)) / (2 * math.pi * sigma**2) ** 1.5
 
 
-@float64_as_given
+@keep_float64
 def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> tuple[Vector, Scalar]:
     """Computes (∇_v f, ∂f/∂ω) of the `l2e_objective` by the paper's closed forms, as sums over the pairs.
 
@@ -66,7 +66,7 @@ def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds)
     return 4 * grad_v / scale, 4 * grad_omega / scale
 
 
-@float64_as_given
+@keep_float64
 def l2e_loss(
     v: Vector,
     omega: Real,

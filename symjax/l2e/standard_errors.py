@@ -11,7 +11,7 @@ from symjax.errors import InvalidArgumentError
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.l2e.fit import WEIGHT_TO_INLIER_FRACTION, Fit
-from symjax.l2e.jax_config import float64_as_given, jit
+from symjax.l2e.jax_config import jit, keep_float64
 from symjax.l2e.manifolds import SPHERE_LINE, tangent_basis
 from symjax.l2e.objective import squared_residuals
 from symjax.l2e.pairs.arguments import Points, Weights
@@ -42,7 +42,7 @@ class StandardErrors(NamedTuple):
     inlier_fraction: float
 
 
-@float64_as_given
+@keep_float64
 def standard_errors(
     fit: Fit,
     x: Points,

@@ -15,7 +15,7 @@ from symjax.geometry.directions import fibonacci
 from symjax.l2e.criterion import Criterion
 from symjax.l2e.features import features
 from symjax.l2e.fit import Fit, unscale
-from symjax.l2e.jax_config import float64_as_given, jit
+from symjax.l2e.jax_config import jit, keep_float64
 from symjax.l2e.manifolds import normalise, random_points
 from symjax.l2e.pairs.arguments import AnyPoints, Points, Weights, checked_normals, checked_sigmas
 from symjax.l2e.pairs.normalised import NormalisedPairs, normalise_pairs
@@ -110,7 +110,7 @@ def _continuation(
     cosine = jnp.abs(jnp.sum(at_start.point[:, None, :3] * at_start.point[None, first, :3], axis=2))
     path = jnp.argmax(cosine, axis=1)
 
-    def follow(paths: Float[Array, "K 4"], sigma: Float[Array, ""]) -> tuple[Array, tuple[Minimum, Array]]:
+    def follow(paths: Float[Array, "K 4"], sigma: Float[Array, ""]) -> tuple[Array, tuple[Minimum, Int[Array, " R"]]]:
         here = jnp.concatenate([paths, rank_hypotheses(proposed, pairs, sigma)])
         found, _ = jax.vmap(partial(solve, make(sigma)))(here)
         value = jnp.where(jnp.isfinite(found.value), found.value, jnp.inf)
@@ -123,7 +123,7 @@ def _continuation(
     return in_given_order
 
 
-@float64_as_given
+@keep_float64
 def sweep(
     x: Points,
     y: Points,

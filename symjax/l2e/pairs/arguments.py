@@ -60,7 +60,7 @@ def _as_array(value: Any, name: str, error: type[ValueError], *, mask: bool = Fa
 IsBad = Callable[[AnyArray], Bool[AnyArray, " n"]]
 
 
-def _nonfinite_rows(points: Float[AnyArray, "n 3"]) -> Bool[AnyArray, " n"]:
+def _nonfinite_rows(points: Real[AnyArray, "n 3"]) -> Bool[AnyArray, " n"]:
     xp: Any = points.__array_namespace__()
     bad: Bool[AnyArray, " n"] = ~xp.all(xp.isfinite(points), axis=1)
     return bad

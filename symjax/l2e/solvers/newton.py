@@ -92,7 +92,9 @@ def newton(
     return iterative_solver(init, step, progress, max_steps=max_steps, tol=tol)
 
 
-def _eigen(expansion: Expansion) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def _eigen(
+    expansion: Expansion,
+) -> tuple[tuple[Float[Array, " k"], Float[Array, "k k"]], tuple[Float[Array, " 3"], Float[Array, "3 3"]]]:
     """Computes eigenvalues and eigenvectors of the Hessian and the scatter, together if they have the same size."""
     hessian, scatter = expansion.hessian, expansion.scatter
     if hessian.shape != scatter.shape:

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 Entries: TypeAlias = list[list[Float[Array, ""]]]
+State: TypeAlias = tuple[Float[Array, "k k"], Float[Array, "k k"]]
 
 
 def _rotate(a: Entries, u: Entries, p: int, q: int) -> None:
@@ -38,7 +39,7 @@ def eigh(matrix: Float[Array, "k k"]) -> tuple[Float[Array, " k"], Float[Array, 
     """Returns the eigenvalues, unsorted, and the eigenvectors, in columns, of a small symmetric matrix."""
     size = len(matrix)
 
-    def sweep(_: Int[Array, ""], state: tuple[Array, Array]) -> tuple[Array, Array]:
+    def sweep(_: Int[Array, ""], state: State) -> State:
         a, u = ([[array[i, j] for j in range(size)] for i in range(size)] for array in state)
         for p in range(size):
             for q in range(p + 1, size):
