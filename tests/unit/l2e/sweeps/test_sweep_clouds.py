@@ -20,7 +20,7 @@ def clouds(sizes):
 
 
 def test_a_hundred_sizes_are_compiled_at_most_eight_times():
-    sizes = np.unique(np.geomspace(3, 4000, 140).astype(int))[-100:]
+    sizes = np.unique(np.geomspace(3, 4000, 140).astype(int))[-100:].tolist()
     assert len(sizes) == 100
     counts = []
 
