@@ -1,4 +1,4 @@
-"""Strict numerics for every test: float64, rank promotion raises; warnings are errors (pyproject.toml)."""
+"""Strict numerics for every test and every example in a docstring: float64, rank promotion raises; warnings are errors (pyproject.toml)."""
 
 import gc
 from pathlib import Path
@@ -13,8 +13,9 @@ MOST_MAPS = 30_000
 """Memory maps at which compiled programs are dropped: each has some ten, Linux allows 65 530, and the compiler crashes
 where it gets no more."""
 
-TESTS = Path(__file__).resolve().parent
-SHARED = TESTS.parents[1] / "shared"
+ROOT = Path(__file__).resolve().parent
+TESTS = ROOT / "tests"
+SHARED = ROOT.parent / "shared"
 
 # here and not in `pytest_configure`: a conftest of a folder named on the command line imports symjax before that
 shape_checks.install()
