@@ -1,4 +1,4 @@
-"""Strict numerics for every test and every example in a docstring: float64, rank promotion raises; warnings are errors (pyproject.toml)."""
+"""Strict numerics for every test and doctest: float64, rank promotion raises; warnings are errors (pyproject.toml)."""
 
 import gc
 from pathlib import Path
