@@ -15,7 +15,7 @@ TEXT = (PROJECT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 EXISTING = (
     "tests/architecture/test_docstrings.py",
     "tests/architecture/test_imports.py",
-    "tests/architecture/test_rooms.py",
+    "tests/architecture/test_file_layout.py",
     "tests/experiments/baselines/test_baseline.py",
     "tests/experiments/comparison/test_leaderboard.py",
     "tests/experiments/framework/test_run.py",
