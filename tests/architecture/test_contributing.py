@@ -68,7 +68,7 @@ def copy(tmp_path_factory):
     ignored = shutil.ignore_patterns("__pycache__", "small")
     for name in ("symjax", "experiments", "tests", "notebooks", "docs"):
         shutil.copytree(PROJECT / name, folder / name, ignore=ignored)
-    for name in ("pyproject.toml", "README.md", "CONTRIBUTING.md"):
+    for name in ("pyproject.toml", "conftest.py", "README.md", "CONTRIBUTING.md"):
         shutil.copy(PROJECT / name, folder / name)
     for block in blocks():
         path = folder / block.path
