@@ -82,8 +82,5 @@ class MethodResult:
         """Raises MethodError if the symmetry is unknown, or contradicts `ambiguous`."""
         if self.symmetry not in get_args(Symmetry):
             raise MethodError(f"symmetry {self.symmetry!r} is unknown: choose one of {', '.join(get_args(Symmetry))}")
-        if self.ambiguous and self.symmetry in ("none", "one plane"):
-            raise MethodError(
-                f"symmetry {self.symmetry!r} contradicts ambiguous=True: if other planes are as good as the first, "
-                "the symmetry is 'several planes', 'axis' or 'sphere'"
-            )
+        if self.ambiguous and self.symmetry == "none":
+            raise MethodError("symmetry 'none' contradicts ambiguous=True: there is no plane to be as good as")

@@ -2,14 +2,15 @@
 
 `classify` makes four decisions in order:
 
-1. The best candidate must exceed its threshold. Otherwise the symmetry is "none".
-2. Another candidate is a mirror plane too if it exceeds its own threshold, its ranking score is not far below the best,
-   and the score falls on the way to every better mirror plane. Candidates that are as good as the best are spared the
-   last condition.
-3. If the second mirror plane is about as good as the first, the answer is ambiguous. It may then be a sample of the
+1. The best candidate must exceed its threshold, and the cloud must not refute it. Otherwise the symmetry is "none".
+2. Another candidate may be a mirror plane too if it exceeds its own threshold, its ranking score is not far below the
+   best, the cloud does not refute it, and the score falls on the way to every better mirror plane. Candidates that are
+   as good as the best are spared the last condition.
+3. If the second of these planes is about as good as the first, the answer is ambiguous. It may then be a sample of the
    planes of a continuous symmetry. The line in which two candidates intersect is an axis if all planes through it score
-   high.
-4. If the planes through a line that is tilted to the axis score high too, the symmetry is a sphere. The line is taken
+   high and none of them is refuted.
+4. If there is no axis, only the planes that the cloud confirms are named.
+5. If the planes through a line that is tilted to the axis score high too, the symmetry is a sphere. The line is taken
    through the common point of the mirror planes.
 """
 
@@ -25,10 +26,12 @@ from symjax.geometry import checks
 from symjax.geometry.local_frames import tangent_frames
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
+from symjax.robust.contradiction import contradiction
 from symjax.robust.duplicates import SAME_OFFSET
 from symjax.robust.quadrics import Quadrics
 from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
+from symjax.robust.verification import Evidence, is_refuted
 from symjax.robust.voxel_grid import VoxelGrid
 
 BACKGROUND = slice(4, 12)
@@ -64,6 +67,10 @@ not refined."""
 
 NUM_POINTS = 1000
 """Number of points on which planes are scored here."""
+
+EXCUSED_ON_AXIS = 0.5
+"""See EXCUSED_BY_BOUNDARY in `contradiction`: on a body of revolution, only a cut excuses a plane through the axis. A
+handle near the rim of a vessel is close to boundary points too. Measured on a saucepan: 0.35."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,13 +123,19 @@ class FoundThresholds:
 
 
 class Classification(NamedTuple):
-    """The symmetry that the candidates make up; `MethodResult` documents the fields."""
+    """The symmetry that the candidates make up.
+
+    Attributes:
+        threshold: see `MethodResult`, as for the others.
+        unconfirmed: number of planes that may be mirror planes too, but that the cloud does not confirm.
+    """
 
     threshold: float
     symmetry: Symmetry
     ambiguous: bool
     axis: Axis | None
     planes: tuple[Plane, ...]
+    unconfirmed: int = 0
 
 
 def background(ranked: Sequence[Candidate]) -> float:
@@ -137,7 +150,7 @@ def relative_noise(surface: Surface, quadrics: Quadrics) -> float:
 
 def classify(
     ranked: tuple[Candidate, ...],
-    surface: Surface,
+    evidence: Evidence,
     quadrics: Quadrics,
     grid: VoxelGrid,
     thresholds: FoundThresholds,
@@ -148,33 +161,36 @@ def classify(
 
     Args:
         ranked: distinct candidates, the best first.
-        surface: the surface, in units of its diagonal.
+        evidence: the coarse evidence about the candidates, and the surface.
         quadrics: the quadrics of the surface.
         grid: the voxel grid around the surface.
         thresholds: the rule for the threshold.
         use_normals: see `score_plane`.
     """
-    scorer = _Scorer(surface, grid, use_normals)
-    best = ranked[0]
+    surface, best = evidence.surface, ranked[0]
+    scorer = _Scorer(surface, grid, evidence.one_sided, use_normals)
     background_score, noise = background(ranked), relative_noise(surface, quadrics)
     limits = [float(thresholds.threshold(c.exactness or 0.0, background_score, noise)) for c in ranked]
-    if best.score <= limits[0]:
+    if best.score <= limits[0] or evidence.verdict(0) == "refuted":
         return Classification(limits[0], "none", False, None, ())
-    mirrors = [
-        c
-        for c, limit in zip(ranked, limits, strict=True)
-        if c.score > limit and c.ranking_score > SECONDARY * best.ranking_score
+    passing = [
+        i
+        for i, (c, limit) in enumerate(zip(ranked, limits, strict=True))
+        if i == 0 or (c.score > limit and c.ranking_score > SECONDARY * best.ranking_score)
     ]
-    mirrors = _separated(mirrors, scorer)
-    planes = tuple(c.plane for c in mirrors)
-    if len(mirrors) == 1:
-        return Classification(limits[0], "one plane", False, None, planes)
-    if mirrors[1].ranking_score < AS_GOOD * best.ranking_score:
-        return Classification(limits[0], "several planes", False, None, planes)
+    verdicts = {i: evidence.verdict(i) for i in passing}
+    mirrors = _separated([i for i in passing if verdicts[i] != "refuted"], ranked, scorer)
     least = max(limits[0], STILL_AS_GOOD * best.score)
-    axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], scorer, least)
+    axis = None
+    if _is_ambiguous(mirrors, ranked):
+        axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], scorer, least)
     if axis is None:
-        return Classification(limits[0], "several planes", True, None, planes)
+        mirrors = [i for i in mirrors if verdicts[i] != "ruled out"]
+        planes = tuple(ranked[i].plane for i in mirrors if verdicts[i] == "confirmed")
+        kind: Symmetry = "one plane" if len(planes) == 1 else "several planes"
+        unconfirmed = len(mirrors) - len(planes)
+        return Classification(limits[0], kind, _is_ambiguous(mirrors, ranked), None, planes, unconfirmed)
+    planes = tuple(ranked[i].plane for i in mirrors)
     centre = _common_point(planes)
     if scorer.all_exceed(_planes_through_line(centre, _tilted(axis[1])), least):
         return Classification(limits[0], "sphere", True, (centre, axis[1]), planes)
@@ -186,6 +202,7 @@ class _Scorer(NamedTuple):
 
     surface: Surface
     grid: VoxelGrid
+    one_sided: bool
     use_normals: bool
 
     def score(self, plane: Plane) -> float:
@@ -195,18 +212,31 @@ class _Scorer(NamedTuple):
     def all_exceed(self, planes: list[Plane], least: float) -> bool:
         return all(self.score(plane) > least for plane in planes)
 
+    def refutes_any(self, planes: list[Plane]) -> bool:
+        for plane in planes:
+            scored = score_plane(plane, self.surface, self.grid, use_normals=self.use_normals)
+            found = contradiction(plane, self.surface, scored, one_sided=self.one_sided, excused=EXCUSED_ON_AXIS)
+            if is_refuted(found, one_sided=self.one_sided):
+                return True
+        return False
 
-def _separated(ranked: list[Candidate], scorer: _Scorer) -> list[Candidate]:
+
+def _is_ambiguous(ranks: list[int], ranked: Sequence[Candidate]) -> bool:
+    """Returns whether a second one of some candidates is about as good as the best."""
+    return any(ranked[i].ranking_score >= AS_GOOD * ranked[0].ranking_score for i in ranks if i > 0)
+
+
+def _separated(ranks: list[int], ranked: Sequence[Candidate], scorer: _Scorer) -> list[int]:
     """Returns the candidates that are as good as the best, or that a valley separates from every better one kept."""
     middle = scorer.surface.points.mean(axis=0)
-    kept: list[Candidate] = []
-    for candidate in ranked:
-        valley = VALLEY * scorer.score(candidate.plane)
-        if candidate.ranking_score >= AS_GOOD * ranked[0].ranking_score or all(
-            any(scorer.score(plane) < valley for plane in _planes_between(candidate.plane, better.plane, middle))
-            for better in kept
+    kept: list[int] = []
+    for i in ranks:
+        valley = VALLEY * scorer.score(ranked[i].plane)
+        if ranked[i].ranking_score >= AS_GOOD * ranked[0].ranking_score or all(
+            any(scorer.score(plane) < valley for plane in _planes_between(ranked[i].plane, ranked[j].plane, middle))
+            for j in kept
         ):
-            kept.append(candidate)
+            kept.append(i)
     return kept
 
 
@@ -238,7 +268,8 @@ def _axis(planes: list[Plane], scorer: _Scorer, least: float) -> Axis | None:
             continue  # the line of nearly parallel planes is too uncertain
         direction /= length
         point = np.linalg.solve(np.stack([a.normal, b.normal, direction]), np.array([a.offset, b.offset, 0.0]))
-        if scorer.all_exceed(_planes_through_line(point, direction), least):
+        planes = _planes_through_line(point, direction)
+        if scorer.all_exceed(planes, least) and not scorer.refutes_any(planes):
             return point, direction
     return None
 

@@ -12,10 +12,12 @@ from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
 from symjax.robust.classification import FoundThresholds, classify
+from symjax.robust.contradiction import Contradiction, contradiction
 from symjax.robust.duplicates import are_duplicates
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.surface import Surface, estimate_surface
+from symjax.robust.verification import Evidence, best_first
 from symjax.robust.visibility import find_viewpoint
 from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 
@@ -64,6 +66,8 @@ class Robust:
             blurred by noise.
         chance_exactness: exactness that rough symmetries reach by chance, because a few parts agree exactly. Exactness
             below it is ignored.
+        use_contradiction: whether mirror images far from the surface count as evidence of their own: they refute a
+            plane if no missing part explains them, and further planes are only named if the cloud confirms them.
         inlier_agreement: agreement from which a pair counts as an inlier. The default is half of the maximum.
         found: the rule for the threshold that the score of a mirror plane must exceed.
 
@@ -107,6 +111,7 @@ class Robust:
     use_exactness: bool = True
     exactness_weight: float = 0.4
     chance_exactness: float = 0.4
+    use_contradiction: bool = True
     inlier_agreement: float = 0.5
     found: FoundThresholds = field(default_factory=FoundThresholds)
 
@@ -160,10 +165,23 @@ class Robust:
             )
         with timer.stage("refining"):
             quadrics = fit_quadrics(surface)
-            refined, others = self._refine(searched, surface, quadrics, grid)
+            refined, others = self._refine(searched, surface, quadrics, grid, one_sided=viewpoint is not None)
+            order, complete = best_first(
+                [r.candidate.ranking_score for r in refined],
+                [r.contradiction for r in refined],
+                one_sided=viewpoint is not None,
+            )
+            refined = [refined[i] for i in order]
         with timer.stage("classifying"):
             ranked = (*(r.candidate for r in refined), *others)
-            result = classify(ranked, surface, quadrics, grid, self.found, use_normals=self.use_normals)
+            evidence = Evidence(
+                surface,
+                viewpoint is not None,
+                complete,
+                tuple(r.candidate.plane for r in refined),
+                tuple(r.contradiction for r in refined),
+            )
+            result = classify(ranked, evidence, quadrics, grid, self.found, use_normals=self.use_normals)
         best, scored = refined[0].refinement, refined[0].scored
         rows = np.flatnonzero(scored.weight > 0)
         agreement = scored.agreement[rows]
@@ -186,9 +204,15 @@ class Robust:
         )
 
     def _refine(
-        self, searched: tuple[Candidate, ...], surface: Surface, quadrics: Quadrics, grid: VoxelGrid
+        self,
+        searched: tuple[Candidate, ...],
+        surface: Surface,
+        quadrics: Quadrics,
+        grid: VoxelGrid,
+        *,
+        one_sided: bool,
     ) -> tuple[list["_Refined"], list[Candidate]]:
-        """Refines the best candidates and scores them on all points; returns them and the others, the best first."""
+        """Refines the best candidates and scores them on all points; returns them, and the others ordered by score."""
         from symjax.robust.refinement import refine
 
         refined: list[_Refined] = []
@@ -204,8 +228,10 @@ class Robust:
             scored = score_plane(plane, surface, grid, use_normals=self.use_normals)
             exact = exactness(plane, surface, scored, quadrics) if self.use_exactness else None
             ranking_score = self._ranking_score(scored.score, exact)
-            refined.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored))
-        refined.sort(key=lambda r: -r.candidate.ranking_score)
+            against = Contradiction(0.0, 0.0)
+            if self.use_contradiction:
+                against = contradiction(plane, surface, scored, one_sided=one_sided)
+            refined.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored, against))
         others = [c for c in searched if not any(are_duplicates(c.plane, r.candidate.plane) for r in refined)]
         others.sort(key=lambda candidate: -candidate.score)
         return refined, others
@@ -216,11 +242,12 @@ class Robust:
 
 
 class _Refined(NamedTuple):
-    """A candidate with its refinement and its score on all points."""
+    """A candidate with its refinement, its score on all points and its contradiction."""
 
     candidate: Candidate
     refinement: "Refinement"
     scored: PlaneScore
+    contradiction: Contradiction
 
 
 class _InitialPlane(Plane):

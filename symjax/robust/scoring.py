@@ -36,12 +36,14 @@ class PlaneScore(NamedTuple):
 
     Attributes:
         partner: row of the surface point nearest to each mirror image.
+        distance: distance of that point.
         agreement: how well each mirror image agrees with its partner in place and normal direction, 0 to 1.
         weight: weight of each point.
         penalty: non-match penalty of each mirror image, 0 to 1.
     """
 
     partner: Int[np.ndarray, " m"]
+    distance: Float[np.ndarray, " m"]
     agreement: Float[np.ndarray, " m"]
     weight: Float[np.ndarray, " m"]
     penalty: Float[np.ndarray, " m"]
@@ -78,7 +80,7 @@ def score_plane(
         The score, with the agreement of every reflected point.
     """
     points = surface.points[rows]
-    height, image = np.asarray(plane.signed_distance(points)), np.asarray(plane.reflect(points))
+    image = np.asarray(plane.reflect(points))
     distance, partner = surface.tree.query(image, workers=-1)
     normals = surface.normals[partner]
     above = ((image - surface.points[partner]) * normals).sum(axis=1)
@@ -89,8 +91,14 @@ def score_plane(
     if use_normals:
         reflected = np.asarray(plane.reflect_directions(surface.normals[rows]))
         agreement = agreement * (reflected * normals).sum(axis=1) ** 2
-    weight = surface.confidence[rows] * (1 - np.exp(-2 * (height / (DISPLACEMENT_SCALE * surface.spacing)) ** 2))
-    return PlaneScore(partner, agreement, weight, penalty_at(grid, image))
+    weight = surface.confidence[rows] * displacement_weight(plane, points, surface.spacing)
+    return PlaneScore(partner, distance, agreement, weight, penalty_at(grid, image))
+
+
+def displacement_weight(plane: Plane, points: Float[np.ndarray, "n 3"], spacing: float) -> Float[np.ndarray, " n"]:
+    """Returns the weight of points by the distance from their mirror images, from 0 on the plane to 1 far from it."""
+    height = np.asarray(plane.signed_distance(points))
+    return 1 - np.exp(-2 * (height / (DISPLACEMENT_SCALE * spacing)) ** 2)
 
 
 def exactness(plane: Plane, surface: Surface, scored: PlaneScore, quadrics: Quadrics) -> float:

@@ -126,7 +126,7 @@ def test_some_rows_have_the_same_agreement_as_among_all(random_sample):
 
 def test_the_score_is_agreement_over_agreement_and_penalty():
     agreement, weight, penalty = np.array([1.0, 0.5, 0.0]), np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 0.25])
-    found = PlaneScore(np.zeros(3, int), agreement, weight, penalty)
+    found = PlaneScore(np.zeros(3, int), np.zeros(3), agreement, weight, penalty)
     assert found.score == pytest.approx(2.0 / (2.0 + 0.5 + 1.0))
     assert found.score_of(np.ones(3)) == pytest.approx(1)
     assert found.score_of(np.zeros(3)) == 0
