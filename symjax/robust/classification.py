@@ -190,8 +190,8 @@ def classify(
         kind: Symmetry = "one plane" if len(planes) == 1 else "several planes"
         unconfirmed = len(mirrors) - len(planes)
         return Classification(limits[0], kind, _is_ambiguous(mirrors, ranked), None, planes, unconfirmed)
-    planes = tuple(ranked[i].plane for i in mirrors)
-    centre = _common_point(planes)
+    planes = tuple(ranked[i].plane for i in mirrors if verdicts[i] == "confirmed")
+    centre = _common_point([ranked[i].plane for i in mirrors])
     if scorer.all_exceed(_planes_through_line(centre, _tilted(axis[1])), least):
         return Classification(limits[0], "sphere", True, (centre, axis[1]), planes)
     return Classification(limits[0], "axis", True, axis, planes)
@@ -250,7 +250,7 @@ def _planes_between(a: Plane, b: Plane, middle: Float[np.ndarray, " 3"]) -> Iter
         yield Plane(normal / length, offset[0] / length + normal @ middle / length)
 
 
-def _common_point(planes: tuple[Plane, ...]) -> Float[np.ndarray, " 3"]:
+def _common_point(planes: Sequence[Plane]) -> Float[np.ndarray, " 3"]:
     """Returns the point nearest to the planes by least squares, without those that miss the first solution."""
     normals, offsets = np.stack([p.normal for p in planes]), np.array([p.offset for p in planes])
     point = np.linalg.lstsq(normals, offsets)[0]

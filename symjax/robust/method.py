@@ -14,6 +14,7 @@ from symjax.preprocess.cloud import Cloud
 from symjax.robust.classification import FoundThresholds, classify
 from symjax.robust.contradiction import Contradiction, contradiction
 from symjax.robust.duplicates import are_duplicates
+from symjax.robust.notes import notes
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.surface import Surface, estimate_surface
@@ -23,9 +24,6 @@ from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 
 if TYPE_CHECKING:
     from symjax.robust.refinement import Refinement
-
-ONE_SIDED_NOTE = "the cloud is a scan from one side: mirror images in hidden space hardly count against a plane"
-"""Note of a detection whose viewpoint was found."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,7 +198,7 @@ class Robust:
             converged=best.converged,
             message=best.message,
             uncertainty=best.uncertainty,
-            notes=() if viewpoint is None else (ONE_SIDED_NOTE,),
+            notes=notes(evidence, result),
         )
 
     def _refine(
