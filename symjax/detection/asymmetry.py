@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float
 
 from symjax.geometry.plane import Plane
-from symjax.robust.scoring import SLACK
 from symjax.robust.surface import estimate_surface
+from symjax.robust.verification.scoring import SLACK
 
 
 def asymmetry(

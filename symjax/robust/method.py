@@ -11,14 +11,14 @@ from symjax.geometry.plane import Plane
 from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
-from symjax.robust.classification import FoundThresholds, classify
-from symjax.robust.contradiction import Contradiction, contradiction
 from symjax.robust.duplicates import are_duplicates
-from symjax.robust.notes import notes
 from symjax.robust.quadrics import Quadrics, fit_quadrics
-from symjax.robust.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.surface import Surface, estimate_surface
-from symjax.robust.verification import Evidence, best_first
+from symjax.robust.verification.classification import FoundThresholds, classify
+from symjax.robust.verification.contradiction import Contradiction, contradiction
+from symjax.robust.verification.evidence import Evidence, best_first
+from symjax.robust.verification.notes import notes
+from symjax.robust.verification.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.visibility import find_viewpoint
 from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 

@@ -13,8 +13,8 @@ from symjax.robust import registration
 from symjax.robust.duplicates import drop_duplicates
 from symjax.robust.hypotheses import hypotheses
 from symjax.robust.registration import Probes
-from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
+from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import VoxelGrid
 
 CHUNK_SIZE = 1024

@@ -29,10 +29,10 @@ from symjax.detection.result import Detection
 from symjax.errors import SymjaxWarning
 from symjax.geometry import distance
 from symjax.preprocess.cloud import prepare
-from symjax.robust.classification import BACKGROUND, FoundThresholds, background, relative_noise
 from symjax.robust.method import Robust
 from symjax.robust.quadrics import fit_quadrics
 from symjax.robust.surface import estimate_surface
+from symjax.robust.verification.classification import BACKGROUND, FoundThresholds, background, relative_noise
 
 TRUTHS = {
     "generated": "one plane",

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from experiments.studies.robust import calibration
-from symjax.robust.classification import FoundThresholds
 from symjax.robust.method import Robust
+from symjax.robust.verification.classification import FoundThresholds
 
 
 @pytest.fixture(scope="module")

@@ -11,10 +11,10 @@ from symjax.geometry.plane import Plane
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import prepare
 from symjax.robust import hypotheses, registration, search
-from symjax.robust.classification import FoundThresholds
 from symjax.robust.method import Robust
-from symjax.robust.scoring import score_plane
 from symjax.robust.surface import estimate_surface
+from symjax.robust.verification.classification import FoundThresholds
+from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import voxel_grid
 
 

@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 from symjax.datasets import add_noise, generate
 from symjax.geometry.plane import Plane
 from symjax.robust.quadrics import fit_quadrics
-from symjax.robust.scoring import HEIGHT_SCALE, SLACK, PlaneScore, exactness, score_plane
 from symjax.robust.surface import estimate_surface
+from symjax.robust.verification.scoring import HEIGHT_SCALE, SLACK, PlaneScore, exactness, score_plane
 from symjax.robust.voxel_grid import penalty_at, voxel_grid
 
 TRUE = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))

@@ -1,7 +1,7 @@
 """Notes: what the method assumed about a cloud, and what could change the answer, as sentences."""
 
-from symjax.robust.classification import Classification
-from symjax.robust.verification import Evidence
+from symjax.robust.verification.classification import Classification
+from symjax.robust.verification.evidence import Evidence
 
 ONE_SIDED = "the cloud is a scan from one side: mirror images in hidden space hardly count against a plane"
 

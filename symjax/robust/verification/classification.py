@@ -26,12 +26,12 @@ from symjax.geometry import checks
 from symjax.geometry.local_frames import tangent_frames
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
-from symjax.robust.contradiction import contradiction
 from symjax.robust.duplicates import SAME_OFFSET
 from symjax.robust.quadrics import Quadrics
-from symjax.robust.scoring import score_plane
 from symjax.robust.surface import Surface
-from symjax.robust.verification import Evidence, is_refuted
+from symjax.robust.verification.contradiction import contradiction
+from symjax.robust.verification.evidence import Evidence, is_refuted
+from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import VoxelGrid
 
 BACKGROUND = slice(4, 12)

@@ -15,8 +15,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from symjax.geometry.plane import Plane
-from symjax.robust.scoring import PlaneScore, displacement_weight
 from symjax.robust.surface import Surface
+from symjax.robust.verification.scoring import PlaneScore, displacement_weight
 
 FAR_SPACINGS, FAR_TOLERANCES = 4.0, 2.5
 """Distance from the nearest point, in spacings and in tolerances of the surface, beyond which a mirror image is far

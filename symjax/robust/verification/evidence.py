@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from symjax.geometry.plane import Plane
-from symjax.robust.contradiction import Contradiction, contradiction_of_completion
 from symjax.robust.surface import Surface
+from symjax.robust.verification.contradiction import Contradiction, contradiction_of_completion
 
 Verdict = Literal["confirmed", "unconfirmed", "ruled out", "refuted"]
 """An unconfirmed plane may be a mirror plane, but too much of the object is missing to tell. A plane is ruled out if it

@@ -1,0 +1,6 @@
+"""Verification: what the cloud says for and against a refined plane.
+
+`scoring` compares the reflected cloud with the cloud at a fine scale, and `contradiction` at a coarse scale. `evidence`
+decides which candidate comes first and which others the cloud confirms. `classification` decides what symmetry they
+make up, and `notes` writes down what was assumed.
+"""
