@@ -45,8 +45,10 @@ class Detection:
     Attributes:
         plane: the best plane, `normal · x = offset`; the largest component of its normal is positive.
         found: whether the method considers `plane` a mirror plane of the cloud. symjax's own methods require that
-            `score` exceeds `threshold`; `sym-hks` also requires that the solver converged.
-        ambiguous: whether other planes are as good as `plane`: one of several, or all planes through an axis.
+            `score` exceeds `threshold`. `robust` also requires that the cloud does not refute the plane, see `notes`;
+            `sym-hks` also requires that the solver converged.
+        ambiguous: whether other planes are as good as `plane`: one of several, all planes through an axis, or planes
+            that an incomplete cloud can neither confirm nor refute.
         symmetry: "none", "one plane", "several planes", "axis" (all planes through an axis) or "sphere" (all planes
             through a centre).
         axis: a point on the axis of a continuous symmetry and the direction of the axis; None without such a symmetry.

@@ -43,7 +43,8 @@ def _comparison(detection: "Detection") -> str:
     if detection.threshold is None:
         return f"score {detection.score:.3f}"
     relation = "above" if detection.score > detection.threshold else "not above"
-    return f"score {detection.score:.3f}, {relation} the threshold {detection.threshold:.3f}"
+    doubt = ", but refuted or not converged" if relation == "above" and not detection.found else ""
+    return f"score {detection.score:.3f}, {relation} the threshold of {detection.threshold:.3f}{doubt}"
 
 
 def _symmetry(detection: "Detection") -> str:

@@ -15,7 +15,7 @@ from symjax.robust.duplicates import are_duplicates
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.surface import Surface, estimate_surface
 from symjax.robust.verification.classification import FoundThresholds, classify
-from symjax.robust.verification.contradiction import Contradiction, contradiction
+from symjax.robust.verification.contradiction import NO_CONTRADICTION, Contradiction, contradiction
 from symjax.robust.verification.evidence import Evidence, best_first
 from symjax.robust.verification.notes import notes
 from symjax.robust.verification.scoring import PlaneScore, exactness, score_plane
@@ -226,7 +226,7 @@ class Robust:
             scored = score_plane(plane, surface, grid, use_normals=self.use_normals)
             exact = exactness(plane, surface, scored, quadrics) if self.use_exactness else None
             ranking_score = self._ranking_score(scored.score, exact)
-            against = Contradiction(0.0, 0.0)
+            against = NO_CONTRADICTION
             if self.use_contradiction:
                 against = contradiction(plane, surface, scored, one_sided=one_sided)
             refined.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored, against))

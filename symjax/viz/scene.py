@@ -158,6 +158,8 @@ def headline(detection: Drawable) -> tuple[str, str]:
     if detection.threshold is not None:
         relation = "above" if detection.score > detection.threshold else "not above"
         evidence += f", {relation} the threshold of {detection.threshold:.3f}"
+        if relation == "above" and not detection.found:
+            evidence += ", but refuted or not converged"
     if detection.inlier_fraction is not None:
         evidence += f"; {detection.inlier_fraction:.0%} of {len(detection.pairs.weight)} pairs are inliers"
     if detection.ambiguous:

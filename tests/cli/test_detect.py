@@ -78,7 +78,7 @@ def test_text_has_the_plane_and_its_evidence(run, fake, scan):
     assert lines["normal"] == "+1.000000  +0.000000  +0.000000"
     assert lines["offset"].startswith("+0.25 ")
     assert lines["found"].startswith("yes")
-    assert "score 0.700, above the threshold 0.300" in lines["found"]
+    assert "score 0.700, above the threshold of 0.300" in lines["found"]
     assert lines["inliers"] == "66.7% of 3 pairs"
     assert "The gradient is zero" in lines["solver"]
     expected = "nonfinite raise, drop_outliers None, remove_ground False, max_planes 9"

@@ -26,7 +26,7 @@ CONFIDENT = 0.05
 """Point confidence below which a point is an outlier, whose mirror image contradicts nothing."""
 
 EMPTY = 0.9
-"""Non-match penalty above which a mirror image lies in space where the scan would have seen a surface."""
+"""Non-match penalty above which a scan from one side saw empty space at a mirror image."""
 
 EXCUSED_BY_BOUNDARY, EXCUSED_BY_OUTLINE = 0.2, 0.6
 """Share of the boundary points, among the surface points nearest to a cluster of far mirror images, above which a
@@ -41,10 +41,16 @@ class Contradiction(NamedTuple):
     Attributes:
         gross: share of the weight whose mirror images are far from the surface, for whatever reason.
         refuting: the part of it that no missing part explains.
+        at_boundary: share of boundary points among the surface points nearest to the clusters of far mirror images, in
+            the mean over all clusters; 1 without any.
     """
 
     gross: float
     refuting: float
+    at_boundary: float
+
+
+NO_CONTRADICTION = Contradiction(0.0, 0.0, 1.0)
 
 
 def contradiction(
@@ -69,13 +75,15 @@ def contradiction(
     total = float(scored.weight.sum()) + 1e-12
     gross = float(scored.weight[far].sum()) / total
     if not gross:
-        return Contradiction(0.0, 0.0)
+        return NO_CONTRADICTION
     cluster = _clusters(np.asarray(plane.reflect(surface.points[far])), limit)
     beside = scored.distance[far] < 2 * limit
     boundary = _mean_by(cluster, surface.boundary[scored.partner[far]], beside)
-    empty = scored.penalty[far] > EMPTY
-    refuting = float((scored.weight[far] * empty * (boundary < excused)[cluster]).sum()) / total
-    return Contradiction(gross, refuting)
+    counting = (boundary < excused)[cluster]
+    if one_sided:
+        counting &= scored.penalty[far] > EMPTY
+    refuting = float(scored.weight[far][counting].sum()) / total
+    return Contradiction(gross, refuting, float(np.average(boundary[cluster], weights=scored.weight[far])))
 
 
 def contradiction_of_completion(plane: Plane, mirror: Plane, surface: Surface, *, num_points: int = 2000) -> float:

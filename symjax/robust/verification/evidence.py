@@ -14,7 +14,7 @@ from symjax.robust.verification.contradiction import Contradiction, contradictio
 
 Verdict = Literal["confirmed", "unconfirmed", "ruled out", "refuted"]
 """An unconfirmed plane may be a mirror plane, but too much of the object is missing to tell. A plane is ruled out if it
-needs a missing part although the first plane shows that the cloud is complete. It is refuted if no missing part could
+needs a missing part although the cloud is complete. It is refuted if no missing part could
 explain its contradiction."""
 
 REFUTING, REFUTING_ONE_SIDED = 0.02, 0.05
@@ -28,6 +28,10 @@ COMPLETE = 0.005
 SAME_RANK = 0.99
 """Share of the best ranking score above which a plane that maps the whole cloud onto itself comes first. If it ranks
 lower, then the object may be cut symmetrically about a plane that is nearly a mirror plane."""
+
+AT_CUT = 0.5
+"""Share of boundary points beside the far mirror images of a plane above which the cloud may be cut rather than
+complete. Measured: 0.35 for the handle near the rim of a saucepan, 0.8 to 1 at cuts."""
 
 CONFIRMED = 0.01
 """Gross contradiction below which a complete cloud confirms a further plane."""
@@ -93,8 +97,10 @@ class Evidence(NamedTuple):
             return "refuted"
         if rank == 0:
             return "confirmed"
+        if self.complete and contradiction.gross < CONFIRMED:
+            return "confirmed"
         if self.complete:
-            return "confirmed" if contradiction.gross < CONFIRMED else "ruled out"
+            return "unconfirmed" if contradiction.at_boundary > AT_CUT else "ruled out"
         limit = CONFIRMED_BY_COMPLETED_VIEW if self.one_sided else CONFIRMED_BY_COMPLETION
         left = contradiction_of_completion(self.planes[rank], self.planes[0], self.surface)
         return "confirmed" if left < limit else "unconfirmed"

@@ -19,7 +19,7 @@ def test_the_plane_the_score_and_the_scale_have_their_units(rng):
     shown = summary(rng, weights=(1.0,) * 4, timings={"preparing": 0.25, "fitting": 1.5}, notes=("a note",))
     assert shown["normal"] == "+0.600000  +0.000000  +0.800000"
     assert shown["offset"].startswith("+0.3 ")
-    assert shown["found"] == "yes   (score 0.600, above the threshold 0.300)"
+    assert shown["found"] == "yes   (score 0.600, above the threshold of 0.300)"
     assert shown["symmetry"] == "one plane"
     assert shown["inliers"] == "75.0% of 4 pairs"
     assert shown["sigma"] == "0.02 of the diagonal, 0.04 in the units of the points"
@@ -30,7 +30,7 @@ def test_the_plane_the_score_and_the_scale_have_their_units(rng):
 
 def test_without_a_mirror_plane_no_symmetry_is_shown(rng):
     shown = summary(rng, found=False, score=0.2, symmetry="none", converged=False, message="")
-    assert shown["found"] == "no   (score 0.200, not above the threshold 0.300)"
+    assert shown["found"] == "no   (score 0.200, not above the threshold of 0.300)"
     assert "symmetry" not in shown
     assert shown["solver"] == "not converged"
 
