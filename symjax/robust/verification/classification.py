@@ -128,6 +128,7 @@ class Classification(NamedTuple):
     Attributes:
         threshold: see `MethodResult`, as for the others.
         unconfirmed: number of planes that may be mirror planes too, but that the cloud does not confirm.
+        refuted: whether the cloud refutes the best plane.
     """
 
     threshold: float
@@ -136,6 +137,7 @@ class Classification(NamedTuple):
     axis: Axis | None
     planes: tuple[Plane, ...]
     unconfirmed: int = 0
+    refuted: bool = False
 
 
 def background(ranked: Sequence[Candidate]) -> float:
@@ -171,14 +173,15 @@ def classify(
     scorer = _Scorer(surface, grid, evidence.one_sided, use_normals)
     background_score, noise = background(ranked), relative_noise(surface, quadrics)
     limits = [float(thresholds.threshold(c.exactness or 0.0, background_score, noise)) for c in ranked]
-    if best.score <= limits[0] or evidence.verdict(0) == "refuted":
-        return Classification(limits[0], "none", False, None, ())
+    refuted = is_refuted(evidence.contradictions[0], one_sided=evidence.one_sided)
+    if best.score <= limits[0] or refuted:
+        return Classification(limits[0], "none", False, None, (), refuted=refuted)
     passing = [
         i
         for i, (c, limit) in enumerate(zip(ranked, limits, strict=True))
         if i == 0 or (c.score > limit and c.ranking_score > SECONDARY * best.ranking_score)
     ]
-    verdicts = {i: evidence.verdict(i) for i in passing}
+    verdicts = evidence.verdicts(passing)
     mirrors = _separated([i for i in passing if verdicts[i] != "refuted"], ranked, scorer)
     least = max(limits[0], STILL_AS_GOOD * best.score)
     axis = None

@@ -35,6 +35,10 @@ Measured with the right plane: 0.24 and more on cut objects; with the best plane
 0 to 0.2."""
 
 
+MAX_COMPLETED, NUM_REFLECTED = 60_000, 4000
+"""Maximum number of points of a completed cloud, and number of them that are reflected: enough for a share."""
+
+
 class Contradiction(NamedTuple):
     """How strongly a cloud contradicts a plane at a coarse scale.
 
@@ -86,24 +90,38 @@ def contradiction(
     return Contradiction(gross, refuting, float(np.average(boundary[cluster], weights=scored.weight[far])))
 
 
-def contradiction_of_completion(plane: Plane, mirror: Plane, surface: Surface, *, num_points: int = 2000) -> float:
-    """Returns the gross contradiction between a plane and the cloud that is completed by another plane.
+class Completion(NamedTuple):
+    """A cloud together with its mirror images.
 
-    If the other plane is right, then the completed cloud lacks less than the cloud, and a second mirror plane has fewer
-    excuses.
+    If a plane is right, then the cloud that it completes lacks less than the cloud, and a further mirror plane has
+    fewer excuses.
 
-    Args:
-        plane: the plane in question.
-        mirror: the plane that completes the cloud.
-        surface: the surface, in units of its diagonal.
-        num_points: number of points of the cloud, and of their mirror images, that are reflected in `plane`.
+    Attributes:
+        surface: the surface of the cloud, in units of its diagonal.
+        points: the points of the cloud and their mirror images.
+        confidence: confidence of each.
     """
-    completed = np.concatenate([surface.points, np.asarray(mirror.reflect(surface.points))])
-    rows = np.arange(0, len(surface.points), max(1, len(surface.points) // num_points))
-    rows = np.concatenate([rows, rows + len(surface.points)])
-    distance, _ = cKDTree(completed).query(np.asarray(plane.reflect(completed[rows])), workers=-1)
-    weight = np.tile(surface.confidence, 2)[rows] * displacement_weight(plane, completed[rows], surface.spacing)
-    return float(weight[distance > far_distance(surface)].sum() / (weight.sum() + 1e-12))
+
+    surface: Surface
+    points: Float[np.ndarray, "n 3"]
+    confidence: Float[np.ndarray, " n"]
+
+    def add(self, plane: Plane) -> "Completion":
+        """Returns the completion with the mirror images of all its points in one more plane."""
+        points = np.concatenate([self.points, np.asarray(plane.reflect(self.points))])
+        confidence = np.tile(self.confidence, 2)
+        if len(points) > MAX_COMPLETED:
+            kept = np.random.default_rng(0).choice(len(points), MAX_COMPLETED, replace=False)
+            points, confidence = points[kept], confidence[kept]
+        return Completion(self.surface, points, confidence)
+
+    def contradiction(self, plane: Plane) -> float:
+        """Returns the gross contradiction between the completed cloud and a plane."""
+        rows = slice(None, None, max(1, len(self.points) // NUM_REFLECTED))
+        points = self.points[rows]
+        distance, _ = cKDTree(self.points).query(np.asarray(plane.reflect(points)), workers=-1)
+        weight = self.confidence[rows] * displacement_weight(plane, points, self.surface.spacing)
+        return float(weight[distance > far_distance(self.surface)].sum() / (weight.sum() + 1e-12))
 
 
 def far_distance(surface: Surface) -> float:

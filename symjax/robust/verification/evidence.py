@@ -5,12 +5,12 @@ by a missing part. If the cloud is not complete, a further plane must agree with
 completes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
 from symjax.geometry.plane import Plane
 from symjax.robust.surface import Surface
-from symjax.robust.verification.contradiction import Contradiction, contradiction_of_completion
+from symjax.robust.verification.contradiction import Completion, Contradiction
 
 Verdict = Literal["confirmed", "unconfirmed", "ruled out", "refuted"]
 """An unconfirmed plane may be a mirror plane, but too much of the object is missing to tell. A plane is ruled out if it
@@ -89,19 +89,33 @@ class Evidence(NamedTuple):
     planes: tuple[Plane, ...]
     contradictions: tuple[Contradiction, ...]
 
-    def verdict(self, rank: int) -> Verdict:
-        """Decides about the candidate of a rank, from 0: whether the cloud confirms it beside the best one."""
+    def verdicts(self, ranks: Iterable[int]) -> dict[int, Verdict]:
+        """Decides about candidates: whether the cloud confirms them beside the best one.
+
+        Every plane that is confirmed completes the cloud for the next one.
+
+        Args:
+            ranks: ranks of the candidates, from 0 and ascending.
+        """
+        found: dict[int, Verdict] = {}
+        completion = Completion(self.surface, self.surface.points, self.surface.confidence).add(self.planes[0])
+        limit = CONFIRMED_BY_COMPLETED_VIEW if self.one_sided else CONFIRMED_BY_COMPLETION
+        for rank in ranks:
+            found[rank] = self._verdict(rank)
+            refined = rank < len(self.planes)
+            if found[rank] == "unconfirmed" and refined and completion.contradiction(self.planes[rank]) < limit:
+                found[rank] = "confirmed"
+            if found[rank] == "confirmed" and rank > 0 and not self.complete:
+                completion = completion.add(self.planes[rank])
+        return found
+
+    def _verdict(self, rank: int) -> Verdict:
+        """Decides about a candidate by its contradiction alone."""
         if rank >= len(self.planes):  # not refined, too inexact to tell
             return "unconfirmed"
         contradiction = self.contradictions[rank]
         if is_refuted(contradiction, one_sided=self.one_sided):
             return "refuted"
-        if rank == 0:
+        if rank == 0 or (self.complete and contradiction.gross < CONFIRMED):
             return "confirmed"
-        if self.complete and contradiction.gross < CONFIRMED:
-            return "confirmed"
-        if self.complete:
-            return "unconfirmed" if contradiction.at_boundary > AT_CUT else "ruled out"
-        limit = CONFIRMED_BY_COMPLETED_VIEW if self.one_sided else CONFIRMED_BY_COMPLETION
-        left = contradiction_of_completion(self.planes[rank], self.planes[0], self.surface)
-        return "confirmed" if left < limit else "unconfirmed"
+        return "ruled out" if self.complete and contradiction.at_boundary <= AT_CUT else "unconfirmed"

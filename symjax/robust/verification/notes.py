@@ -20,7 +20,7 @@ def notes(evidence: Evidence, result: Classification) -> tuple[str, ...]:
     if evidence.one_sided:
         found.append(ONE_SIDED)
     best = evidence.contradictions[0]
-    if evidence.verdict(0) == "refuted":
+    if result.refuted:
         found.append(
             f"the best plane is no mirror plane: it maps {best.refuting:.1%} of the cloud to places where the object "
             "has no surface, and no missing part explains that"

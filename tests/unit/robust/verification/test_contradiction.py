@@ -7,7 +7,7 @@ import pytest
 
 from symjax.geometry.plane import Plane
 from symjax.robust.surface import estimate_surface
-from symjax.robust.verification.contradiction import contradiction, contradiction_of_completion, far_distance
+from symjax.robust.verification.contradiction import Completion, contradiction, far_distance
 from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import voxel_grid
 
@@ -74,9 +74,12 @@ def test_a_cut_contradicts_the_planes_that_move_it_but_explains_itself():
 
 def test_the_completed_cloud_excuses_less():
     surface, _ = surface_and_grid("cut")
+    cut = Completion(surface, surface.points, surface.confidence)
     across_axis = Plane(np.array([0.0, 0.0, 1.0]), np.float64(0.0))
     tilted = Plane(np.array([0.6, 0.0, 0.8]), np.float64(0.0))
-    assert contradiction_of_completion(across_axis, ACROSS_HANDLE, surface) == 0
-    assert contradiction_of_completion(tilted, ACROSS_HANDLE, surface) > 0.05
+    assert cut.contradiction(ACROSS_HANDLE) > 0.02
+    assert cut.add(ACROSS_HANDLE).contradiction(across_axis) == 0
+    assert cut.add(ACROSS_HANDLE).contradiction(tilted) > 0.05
     # this plane maps the cut onto itself, and fills nothing
-    assert contradiction_of_completion(ACROSS_HANDLE, ALONG_HANDLE, surface) > 0.02
+    assert cut.add(ALONG_HANDLE).contradiction(ACROSS_HANDLE) > 0.02
+    assert len(cut.add(ALONG_HANDLE).add(ACROSS_HANDLE).points) == 4 * len(surface.points)

@@ -27,7 +27,12 @@ def test_a_complete_cloud_needs_no_note():
     ("contradiction", "result", "options", "words"),
     [
         (NO_CONTRADICTION, ONE, {"one_sided": True}, "scan from one side"),
-        (Contradiction(0.1, 0.1, 0.0), ONE._replace(symmetry="none"), {}, "10.0% of the cloud to places where"),
+        (
+            Contradiction(0.1, 0.1, 0.0),
+            ONE._replace(symmetry="none", refuted=True),
+            {},
+            "10.0% of the cloud to places where",
+        ),
         (Contradiction(0.28, 0.0, 0.9), ONE, {}, "28% of the cloud has no counterpart"),
         (NO_CONTRADICTION, ONE._replace(unconfirmed=1), {}, "another plane agrees nearly as well"),
         (NO_CONTRADICTION, ONE._replace(unconfirmed=2), {}, "2 other planes agree nearly as well"),
