@@ -102,10 +102,11 @@ class Evidence(NamedTuple):
         limit = CONFIRMED_BY_COMPLETED_VIEW if self.one_sided else CONFIRMED_BY_COMPLETION
         for rank in ranks:
             found[rank] = self._verdict(rank)
-            refined = rank < len(self.planes)
-            if found[rank] == "unconfirmed" and refined and completion.contradiction(self.planes[rank]) < limit:
+            # a complete cloud has no missing part that a completion could fill
+            if found[rank] != "unconfirmed" or self.complete or rank >= len(self.planes):
+                continue
+            if completion.contradiction(self.planes[rank]) < limit:
                 found[rank] = "confirmed"
-            if found[rank] == "confirmed" and rank > 0 and not self.complete:
                 completion = completion.add(self.planes[rank])
         return found
 
