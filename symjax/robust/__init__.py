@@ -15,8 +15,10 @@ may have been missed: beyond a boundary, or in space hidden from the viewpoint o
    the L2E weights. `search` then drops `duplicates` and scores the remaining planes, the candidates.
 4. Refinement. `quadrics` fits a smooth patch around every point. `refinement` minimises the L2E criterion of the
    heights above these patches for the best candidates. `covariance` computes the standard errors.
-5. Scoring. `scoring` computes the score and the exactness of every refined candidate on all points. Together they give
-   the ranking score.
-6. Classification. `classification` compares the scores with a threshold, decides which candidates are mirror planes,
-   and what symmetry they make up: none, one plane, several planes, an axis, or a sphere.
+5. Verification, in the subpackage `verification`. `scoring` computes the score and the exactness of every refined
+   candidate on all points. Together they give the ranking score. `contradiction` measures which part of the cloud has
+   its mirror image far from any surface, and whether a missing part explains that. `evidence` orders the candidates
+   and decides which of them the cloud confirms. `classification` compares the scores with a threshold, decides which
+   candidates are mirror planes, and what symmetry they make up: none, one plane, several planes, an axis, or a sphere.
+   `notes` writes down what was assumed.
 """
