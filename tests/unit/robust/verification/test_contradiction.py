@@ -10,24 +10,9 @@ from symjax.robust.surface import estimate_surface
 from symjax.robust.verification.contradiction import Completion, contradiction, far_distance
 from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import voxel_grid
+from tests.helpers.vessels import handle, vessel
 
 ALONG_HANDLE, ACROSS_HANDLE = (Plane(np.eye(3)[axis], np.float64(0.0)) for axis in (1, 0))
-
-
-def vessel(num_points, rng):
-    """A closed cylinder about the z axis."""
-    z, turn = rng.uniform(-1, 1, num_points), rng.uniform(0, 2 * np.pi, num_points)
-    side = np.column_stack([np.cos(turn), np.sin(turn), z])
-    radius, turn = np.sqrt(rng.uniform(0, 1, num_points)), rng.uniform(0, 2 * np.pi, num_points)
-    caps = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.sign(z)])
-    return np.where(rng.uniform(size=(num_points, 1)) < 2 / 3, side, caps)
-
-
-def handle(num_points, rng):
-    """Half a ring that stands out in the direction of x."""
-    turn, around = rng.uniform(-np.pi / 2, np.pi / 2, num_points), rng.uniform(0, 2 * np.pi, num_points)
-    radius = 0.6 + 0.1 * np.cos(around)
-    return np.column_stack([1 + radius * np.cos(turn), 0.1 * np.sin(around), radius * np.sin(turn)])
 
 
 @cache
