@@ -11,8 +11,10 @@ from symjax.errors import DegenerateCloudError, PrecisionWarning
 from symjax.geometry import checks
 from symjax.geometry.similarity import Similarity
 from symjax.preprocess.cloud_frame import FramedPoints, to_cloud_frame
+from symjax.preprocess.flatness import is_flat
 from symjax.preprocess.ground import ground_mask
 from symjax.preprocess.outliers import outlier_mask
+from symjax.preprocess.sheet_outliers import sheet_outlier_mask
 from symjax.preprocess.thinning import distinct_rows, grid_subset, random_subset
 from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, check_num_points, finite_rows
 
@@ -26,6 +28,8 @@ from a larger cloud, since a grid would make all densities alike."""
 
 FAR_FOR_FLOAT32 = 1e5
 """Distance from the origin, in extents of the cloud, beyond which float32 points cause a warning."""
+
+FLAT = "the points are coplanar apart from noise: their own plane is a trivial mirror plane and is not returned"
 
 
 class Cloud(NamedTuple):
@@ -45,6 +49,7 @@ class Cloud(NamedTuple):
         num_given: number of rows of the given array.
         cleaned: whether outliers or a ground plane were removed.
         notes: what was removed, merged or thinned, as sentences.
+        flat: whether the points lie in one sheet, apart from noise. The last axis of the frame is then its normal.
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -54,6 +59,7 @@ class Cloud(NamedTuple):
     num_given: int
     cleaned: bool
     notes: tuple[str, ...]
+    flat: bool = False
 
     @property
     def diagonal(self) -> float:
@@ -127,8 +133,17 @@ def prepare(
         # outliers and ground plane have changed the frame and the diagonal
         framed = _framed_points(given[index])
         rows = np.argsort(framed.points[:, 0], kind="stable")
-    if framed.rank == 2:
-        notes.append("the points are coplanar: their own plane is a trivial mirror plane and is not returned")
+    flat = is_flat(framed.points)
+    if flat and drop_outliers:
+        outlier = sheet_outlier_mask(framed.points[:, :2])
+        outlier &= np.count_nonzero(~outlier) >= MIN_POINTS
+        index = index[_without(np.arange(len(index)), outlier, "are outliers and were removed", notes)]
+        if outlier.any():
+            cleaned = True
+            framed = _framed_points(given[index])
+            rows = np.argsort(framed.points[:, 0], kind="stable")
+    if flat:
+        notes.append(FLAT)
     if len(rows) > max_points:
         rows = rows[grid_subset(framed.points[rows], max_points)]
         notes.append(f"thinned from {len(given)} to {len(rows)} points on a grid")
@@ -138,7 +153,7 @@ def prepare(
     of_points = None
     if normals is not None:
         of_points = np.asarray(framed.to_given.inverse().directions(as_normals(normals, given.shape, index[rows])))
-    return Cloud(framed.points[rows], of_points, index[rows], framed.to_given, len(given), cleaned, tuple(notes))
+    return Cloud(framed.points[rows], of_points, index[rows], framed.to_given, len(given), cleaned, tuple(notes), flat)
 
 
 def _clean_rows(

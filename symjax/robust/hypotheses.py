@@ -15,6 +15,9 @@ OUTER_SHARE = 0.02
 """Share of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of an
 object that was cut in half lies at the end of the cloud."""
 
+NUM_UPRIGHT_DIRECTIONS = 90
+"""Number of evenly spread normals within a flat cloud's sheet, 2° apart."""
+
 NUM_PAIRED = 512
 """Number of random points of which all pairs are considered."""
 
@@ -26,23 +29,31 @@ MIN_DISTANCE = 0.1
 """Minimum distance of the two points of a pair, in diagonals. The plane of a closer pair is too uncertain."""
 
 
-def hypotheses(surface: Surface, rng: np.random.Generator, *, num_pairs: int) -> Plane:
+def hypotheses(surface: Surface, rng: np.random.Generator, *, num_pairs: int, flat: bool = False) -> Plane:
     """Returns the hypotheses of all sources: principal axes, pairs of points, and evenly spread planes.
 
     Args:
         surface: the surface, in units of its diagonal.
         rng: random generator that draws the pairs.
         num_pairs: maximum number of hypotheses from pairs; 0 for none.
+        flat: whether all points and normals lie in the sheet z = 0; then all planes are upright on it.
 
     Returns:
-        A batch of about 7 000 planes.
+        A batch of about 7 000 planes, or 2 500 if the cloud is flat.
     """
+    principal = principal_planes(surface.points)
     sources = (
-        principal_planes(surface.points),
+        Plane(principal.normal[1:], principal.offset[1:]) if flat else principal,
         pair_planes(surface, rng, num_pairs),
-        even_planes(surface.points, fibonacci(NUM_DIRECTIONS)),
+        even_planes(surface.points, _upright_directions() if flat else fibonacci(NUM_DIRECTIONS)),
     )
     return Plane(np.concatenate([s.normal for s in sources]), np.concatenate([s.offset for s in sources]))
+
+
+def _upright_directions() -> Float[np.ndarray, "d 3"]:
+    """Returns evenly spread normals of planes that are upright on the sheet z = 0."""
+    angle = np.pi * np.arange(NUM_UPRIGHT_DIRECTIONS) / NUM_UPRIGHT_DIRECTIONS
+    return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
 
 
 def principal_planes(points: Float[np.ndarray, "n 3"]) -> Plane:

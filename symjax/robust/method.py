@@ -13,6 +13,7 @@ from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
 from symjax.robust.duplicates import are_duplicates
 from symjax.robust.quadrics import Quadrics, fit_quadrics
+from symjax.robust.sheet import FLAT_THRESHOLDS, OWN_PLANE, find_sheet, uncertainty_in_space, upright
 from symjax.robust.surface import Surface, estimate_surface
 from symjax.robust.verification.classification import FoundThresholds, classify
 from symjax.robust.verification.contradiction import NO_CONTRADICTION, Contradiction, contradiction
@@ -68,6 +69,7 @@ class Robust:
             plane if no missing part explains them, and further planes are only named if the cloud confirms them.
         inlier_agreement: agreement from which a pair counts as an inlier. The default is half of the maximum.
         found: the rule for the threshold that the score of a mirror plane must exceed.
+        found_flat: the same rule for flat clouds, which are scored on their outlines.
 
     Raises:
         InvalidArgumentError: if an option has the wrong type or is out of range.
@@ -112,6 +114,7 @@ class Robust:
     use_contradiction: bool = True
     inlier_agreement: float = 0.5
     found: FoundThresholds = field(default_factory=FoundThresholds)
+    found_flat: FoundThresholds = field(default_factory=lambda: FLAT_THRESHOLDS)
 
     def __post_init__(self) -> None:
         """Checks the options and normalises the initial plane."""
@@ -125,10 +128,11 @@ class Robust:
         for switch in fields(self):
             if isinstance(switch.default, bool):
                 checks.flag(switch.name, getattr(self, switch.name))
-        if not isinstance(self.found, FoundThresholds):
-            raise InvalidArgumentError(
-                f"found must be a FoundThresholds, such as FoundThresholds(), not {self.found!r}"
-            )
+        for name in ("found", "found_flat"):
+            if not isinstance(getattr(self, name), FoundThresholds):
+                raise InvalidArgumentError(
+                    f"{name} must be a FoundThresholds, such as FoundThresholds(), not {getattr(self, name)!r}"
+                )
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
         """Finds the mirror planes of a cloud.
@@ -147,8 +151,15 @@ class Robust:
 
         init = None if self.init is None else cloud.to_given.inverse().plane(self.init)
         with timer.stage("surface"):
-            surface = estimate_surface(cloud.points, normals=cloud.normals, use_confidence=self.use_point_confidence)
-            viewpoint = find_viewpoint(surface) if self.use_visibility and not surface.flat else None
+            sheet = find_sheet(cloud.points) if cloud.flat else None
+            if sheet is None:
+                whole = surface = estimate_surface(
+                    cloud.points, normals=cloud.normals, use_confidence=self.use_point_confidence
+                )
+            else:
+                whole, surface = sheet.whole, sheet.outline
+                init = upright(init) if init is not None and abs(init.normal[2]) < OWN_PLANE else None
+            viewpoint = find_viewpoint(surface) if self.use_visibility and sheet is None else None
             grid = voxel_grid(surface, viewpoint, boundary_penalty=self.boundary_penalty)
         with timer.stage("searching"):
             searched = candidates(
@@ -157,13 +168,14 @@ class Robust:
                 rng,
                 num_pairs=self.num_pair_hypotheses,
                 init=init,
+                flat=sheet is not None,
                 register=self.register,
                 exact_scoring=self.exact_scoring,
                 use_normals=self.use_normals,
             )
         with timer.stage("refining"):
-            quadrics = fit_quadrics(surface)
-            refined, others = self._refine(searched, surface, quadrics, grid, one_sided=viewpoint is not None)
+            quadrics = fit_quadrics(surface, size=None if sheet is None else sheet.patch_size)
+            refined, others = self._refine(searched, surface, whole, quadrics, grid, one_sided=viewpoint is not None)
             order, complete = best_first(
                 [r.candidate.ranking_score for r in refined],
                 [r.contradiction for r in refined],
@@ -173,14 +185,19 @@ class Robust:
         with timer.stage("classifying"):
             ranked = (*(r.candidate for r in refined), *others)
             evidence = Evidence(
-                surface,
+                whole,
                 viewpoint is not None,
                 complete,
                 tuple(r.candidate.plane for r in refined),
                 tuple(r.contradiction for r in refined),
             )
-            result = classify(ranked, evidence, quadrics, grid, self.found, use_normals=self.use_normals)
+            outline, thresholds = (None, self.found) if sheet is None else (surface, self.found_flat)
+            result = classify(
+                ranked, evidence, quadrics, grid, thresholds, outline=outline, use_normals=self.use_normals
+            )
         best, scored = refined[0].refinement, refined[0].scored
+        if sheet is not None:
+            best = best._replace(uncertainty=uncertainty_in_space(best.uncertainty, best.plane, sheet))
         rows = np.flatnonzero(scored.weight > 0)
         agreement = scored.agreement[rows]
         return MethodResult(
@@ -198,13 +215,14 @@ class Robust:
             converged=best.converged,
             message=best.message,
             uncertainty=best.uncertainty,
-            notes=notes(evidence, result),
+            notes=(*(() if sheet is None else (sheet.note,)), *notes(evidence, result)),
         )
 
     def _refine(
         self,
         searched: tuple[Candidate, ...],
         surface: Surface,
+        whole: Surface,
         quadrics: Quadrics,
         grid: VoxelGrid,
         *,
@@ -225,11 +243,13 @@ class Robust:
                 continue
             scored = score_plane(plane, surface, grid, use_normals=self.use_normals)
             exact = exactness(plane, surface, scored, quadrics) if self.use_exactness else None
-            ranking_score = self._ranking_score(scored.score, exact)
+            score, ranking_score = scored.score, self._ranking_score(scored.score, exact)
+            if whole is not surface:  # a flat cloud, whose outline decides the score
+                scored = score_plane(plane, whole, grid, use_normals=self.use_normals)
             against = NO_CONTRADICTION
             if self.use_contradiction:
-                against = contradiction(plane, surface, scored, one_sided=one_sided)
-            refined.append(_Refined(Candidate(plane, scored.score, ranking_score, exact), refinement, scored, against))
+                against = contradiction(plane, whole, scored, one_sided=one_sided)
+            refined.append(_Refined(Candidate(plane, score, ranking_score, exact), refinement, scored, against))
         others = [c for c in searched if not any(are_duplicates(c.plane, r.candidate.plane) for r in refined)]
         others.sort(key=lambda candidate: -candidate.score)
         return refined, others

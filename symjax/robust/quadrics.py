@@ -49,9 +49,14 @@ class Quadrics(NamedTuple):
         return heights
 
 
-def fit_quadrics(surface: Surface) -> Quadrics:
-    """Fits a quadric around every point of a surface, by least squares weighted with the point confidence."""
-    count = NOISY_NEIGHBOURS if surface.noisy else CLEAN_NEIGHBOURS
+def fit_quadrics(surface: Surface, *, size: int | None = None) -> Quadrics:
+    """Fits a quadric around every point of a surface, by least squares weighted with the point confidence.
+
+    Args:
+        surface: the surface.
+        size: number of neighbours to which a quadric is fitted; None for one that suits the noise.
+    """
+    count = size or (NOISY_NEIGHBOURS if surface.noisy else CLEAN_NEIGHBOURS)
     distances, neighbours = surface.tree.query(surface.points, k=min(count + 1, len(surface.points)), workers=-1)
     return _fitted(surface, neighbours, distances[:, -1])
 

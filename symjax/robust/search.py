@@ -13,6 +13,7 @@ from symjax.robust import registration
 from symjax.robust.duplicates import drop_duplicates
 from symjax.robust.hypotheses import hypotheses
 from symjax.robust.registration import Probes
+from symjax.robust.sheet import upright
 from symjax.robust.surface import Surface
 from symjax.robust.verification.scoring import score_plane
 from symjax.robust.voxel_grid import VoxelGrid
@@ -63,6 +64,7 @@ def candidates(
     *,
     num_pairs: int,
     init: Plane | None = None,
+    flat: bool = False,
     register: bool = True,
     exact_scoring: bool = True,
     use_normals: bool = True,
@@ -75,6 +77,7 @@ def candidates(
         rng: random generator that draws pairs of points, and the points that are reflected.
         num_pairs: maximum number of hypotheses from pairs of points.
         init: an additional hypothesis; None for none.
+        flat: whether all points and normals lie in the sheet z = 0; then all planes are upright on it.
         register: whether the hypotheses are registered; otherwise they are only scored, and the best are kept.
         exact_scoring: whether the candidates are scored with exact neighbours; otherwise their scores are those of the
             voxel grid.
@@ -83,7 +86,7 @@ def candidates(
     Returns:
         At most NUM_CANDIDATES candidates, the best first.
     """
-    planes = hypotheses(surface, rng, num_pairs=num_pairs)
+    planes = hypotheses(surface, rng, num_pairs=num_pairs, flat=flat)
     if init is not None:
         planes = Plane(np.vstack([init.normal, planes.normal]), np.append(init.offset, planes.offset))
     order = rng.permutation(len(surface.points))
@@ -104,6 +107,8 @@ def candidates(
             planes = _registered(planes, settings, probes, device_grid, use_normals)
         score = _grid_scores(planes, settings.scoring_sigma, probes, device_grid, use_normals)
     kept = drop_duplicates(planes, np.argsort(-score, kind="stable"), NUM_CANDIDATES)
+    if flat:  # rounding in single precision has turned them by about 1e-6
+        planes = upright(planes)
     found = [Plane(planes.normal[i], planes.offset[i]) for i in kept]
     scores = score[kept].tolist()
     if exact_scoring:

@@ -63,10 +63,10 @@ class Surface(NamedTuple):
     @property
     def tolerance(self) -> float:
         """Distance from a tangent plane that the sampling or the noise explains."""
-        return _tolerance(self.spacing, self.thickness)
+        return tolerance_of(self.spacing, self.thickness)
 
 
-def _tolerance(spacing: float, thickness: float) -> float:
+def tolerance_of(spacing: float, thickness: float) -> float:
     """Returns half a spacing, or 1.5 standard deviations of the noise if that is more."""
     return max(0.5 * spacing, 1.5 * thickness)
 
@@ -104,7 +104,7 @@ def estimate_surface(
         if normals is not None:
             unit_normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
         if use_confidence:
-            confidence = _confidence(points, unit_normals, neighbours, _tolerance(spacing, thickness))
+            confidence = confidence_of(points, unit_normals, neighbours, tolerance_of(spacing, thickness))
     boundary = _is_boundary(points, unit_normals, neighbours, distances)
     return Surface(points, unit_normals, confidence, boundary, spacing, thickness, noisy, tree)
 
@@ -133,7 +133,7 @@ def _thinnest_direction(
     return np.maximum(values[:, 0], 0.0), vectors[:, :, 0]
 
 
-def _confidence(
+def confidence_of(
     points: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
     neighbours: Int[np.ndarray, "n k"],

@@ -65,6 +65,9 @@ STILL_AS_GOOD = 0.94
 """Share of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
 not refined."""
 
+STILL_AS_GOOD_FLAT = 0.88
+"""The same for a flat cloud, whose outline has few points: 0.92 of the best score on filled discs of 1 500 points."""
+
 NUM_POINTS = 1000
 """Number of points on which planes are scored here."""
 
@@ -157,6 +160,7 @@ def classify(
     grid: VoxelGrid,
     thresholds: FoundThresholds,
     *,
+    outline: Surface | None = None,
     use_normals: bool = True,
 ) -> Classification:
     """Decides which candidates are mirror planes, and what symmetry they make up.
@@ -167,9 +171,10 @@ def classify(
         quadrics: the quadrics of the surface.
         grid: the voxel grid around the surface.
         thresholds: the rule for the threshold.
+        outline: outline of a flat cloud, on which its planes are scored; None for any other cloud.
         use_normals: see `score_plane`.
     """
-    surface, best = evidence.surface, ranked[0]
+    surface, best = evidence.surface if outline is None else outline, ranked[0]
     scorer = _Scorer(surface, grid, evidence.one_sided, use_normals)
     background_score, noise = background(ranked), relative_noise(surface, quadrics)
     limits = [float(thresholds.threshold(c.exactness or 0.0, background_score, noise)) for c in ranked]
@@ -183,7 +188,7 @@ def classify(
     ]
     verdicts = evidence.verdicts(passing)
     mirrors = _separated([i for i in passing if verdicts[i] != "refuted"], ranked, scorer)
-    least = max(limits[0], STILL_AS_GOOD * best.score)
+    least = max(limits[0], (STILL_AS_GOOD if outline is None else STILL_AS_GOOD_FLAT) * best.score)
     axis = None
     if _is_ambiguous(mirrors, ranked):
         axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], scorer, least)
