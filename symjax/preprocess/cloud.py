@@ -137,7 +137,7 @@ def prepare(
     if flat and drop_outliers:
         outlier = sheet_outlier_mask(framed.points[:, :2])
         outlier &= np.count_nonzero(~outlier) >= MIN_POINTS
-        index = index[_without(np.arange(len(index)), outlier, "are outliers and were removed", notes)]
+        index = index[_without(np.arange(len(index)), outlier, "are outliers in the sheet and were removed", notes)]
         if outlier.any():
             cleaned = True
             framed = _framed_points(given[index])
