@@ -31,9 +31,10 @@ A filled sheet has a ratio of about 0.6 at all sizes."""
 LARGEST = 0.12
 """Maximum radius of such a neighbourhood, in units of the cloud's diagonal."""
 
-OUTLINE_STEP, OUTLINE_NEIGHBOURS = 0.5, 12
-"""Distance between the points of the outline of a filled sheet, in spacings of the sheet, and their neighbours from
-which normals are estimated."""
+OUTLINE_STEP, OUTLINE_NEIGHBOURS = 0.5, 20
+"""Distance between the points of the outline of a filled sheet, in spacings of the sheet, and the number of their
+neighbours from which normals and thickness are estimated. With 12 neighbours, the roughness of the outline is
+underestimated: noise of 1 % of the diagonal then lowers the score of a mirror plane by 0.05 to 0.1 more."""
 
 ALPHA = 2.5
 """Radius of the largest empty disc that may lie within a filled sheet, in spacings. A disc of that size is empty by

@@ -65,8 +65,8 @@ STILL_AS_GOOD = 0.94
 """Share of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
 not refined."""
 
-STILL_AS_GOOD_FLAT = 0.88
-"""The same for a flat cloud, whose outline has few points: 0.92 of the best score on filled discs of 1 500 points."""
+AS_GOOD_FLAT, STILL_AS_GOOD_FLAT = 0.92, 0.85
+"""The same two shares for an axis of a flat cloud, whose outline has few points: 0.94 and 0.92 on filled discs."""
 
 NUM_POINTS = 1000
 """Number of points on which planes are scored here."""
@@ -188,9 +188,9 @@ def classify(
     ]
     verdicts = evidence.verdicts(passing)
     mirrors = _separated([i for i in passing if verdicts[i] != "refuted"], ranked, scorer)
-    least = max(limits[0], (STILL_AS_GOOD if outline is None else STILL_AS_GOOD_FLAT) * best.score)
-    axis = None
-    if _is_ambiguous(mirrors, ranked):
+    as_good, still = (AS_GOOD, STILL_AS_GOOD) if outline is None else (AS_GOOD_FLAT, STILL_AS_GOOD_FLAT)
+    least, axis = max(limits[0], still * best.score), None
+    if _is_ambiguous(mirrors, ranked, as_good):
         axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], scorer, least)
     if axis is None:
         mirrors = [i for i in mirrors if verdicts[i] != "ruled out"]
@@ -229,9 +229,9 @@ class _Scorer(NamedTuple):
         return False
 
 
-def _is_ambiguous(ranks: list[int], ranked: Sequence[Candidate]) -> bool:
+def _is_ambiguous(ranks: list[int], ranked: Sequence[Candidate], as_good: float = AS_GOOD) -> bool:
     """Returns whether a second one of some candidates is about as good as the best."""
-    return any(ranked[i].ranking_score >= AS_GOOD * ranked[0].ranking_score for i in ranks if i > 0)
+    return any(ranked[i].ranking_score >= as_good * ranked[0].ranking_score for i in ranks if i > 0)
 
 
 def _separated(ranks: list[int], ranked: Sequence[Candidate], scorer: _Scorer) -> list[int]:
