@@ -43,11 +43,6 @@ chance once in 10⁸ places; a sparse part may have a third of the usual density
 FINEST = 0.003
 """Minimum spacing that is assumed for a curve, in diagonals. The voxel grid, whose voxels are 0.02 wide, brings
 the planes to within a few of these."""
-FILLED_INFLATION = 2.0
-"""Factor on the variance of a plane from the outline of a filled sheet, where each point of the outline shapes several
-residuals. Measured on 72 filled outlines of 300 to 5 000 points, half of them with noise: without it, the angle to the
-right plane was 1.39 standard errors, root mean square."""
-
 OWN_PLANE = 0.99
 """Cosine of the angle to the sheet's normal above which an initial plane is the sheet's own, and is not used."""
 
@@ -207,6 +202,5 @@ def uncertainty_in_space(uncertainty: Uncertainty, plane: Plane, sheet: Sheet) -
     """
     along = sheet.whole.points @ plane.normal
     variance = sheet.noise**2 / (float(((along - along.mean()) ** 2).sum()) + 1e-300)
-    inflation = FILLED_INFLATION if sheet.filled else 1.0
     tilt = np.append(uncertainty.tangents[:, 2], 0.0)
-    return uncertainty._replace(covariance=inflation * uncertainty.covariance + variance * np.outer(tilt, tilt))
+    return uncertainty._replace(covariance=uncertainty.covariance + variance * np.outer(tilt, tilt))
