@@ -1,13 +1,12 @@
 """Flatness: recognises clouds that sample one flat sheet, noise across the sheet included.
 
-Heights above a flat sheet are noise: they tell nothing about the heights beside them. The heights of a relief or a
+Heights above a flat sheet are noise: they are unrelated to the heights beside them. The heights of a relief or a
 curved shell vary smoothly along the sheet, and those of a plate lie on two faces.
 """
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import cKDTree
-from scipy.stats import rankdata
 
 RANK = 1e-6
 """Ratio of the smallest to the largest singular value below which a cloud is flat up to rounding."""
@@ -55,8 +54,8 @@ def is_flat(points: Float[np.ndarray, "n 3"]) -> bool:
     count = min(NUM_NEIGHBOURS, len(points) - 1)
     neighbours = cKDTree(points[:, :2]).query(points[::step, :2], k=count + 1)[1][:, 1:]
     limit = max(CORRELATION, DEVIATIONS / np.sqrt(len(neighbours)))
-    ranks = rankdata(height)
-    spread = rankdata(np.abs(height - np.median(height[inside])))
+    ranks = np.argsort(np.argsort(height))  # scipy.stats takes a second to import
+    spread = np.argsort(np.argsort(np.abs(height - np.median(height[inside]))))
     return all(_correlation(r[::step], r[neighbours].mean(axis=1)) <= limit for r in (ranks, spread))
 
 

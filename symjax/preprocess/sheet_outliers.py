@@ -1,4 +1,4 @@
-"""Outliers of a flat cloud: points strewn over the sheet, between and beyond the points of an outline.
+"""Outliers of a flat cloud: points scattered over the sheet, between and beyond the points of an outline.
 
 In a sheet, a sparse part of the object fills area as outliers do, and only its density distinguishes it. Points are
 outliers if their density is distinct from that of the others, not a continuation of it, and if together they leave no
@@ -22,7 +22,7 @@ stars: 0.07 to 0.14 with 30 % outliers, 0.5 with 100 %; 0.8 to 2 on clean sheets
 
 VOIDS, EMPTY, NUM_PLACES = 0.1, 2.0, 2000
 """Largest share of places in the convex hull that are farther than EMPTY mean radii from every point. The share is
-0.02 if the sparse points are strewn over what the dense ones leave free."""
+0.02 if the sparse points are scattered over what the dense ones leave free."""
 
 
 def sheet_outlier_mask(points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
@@ -38,7 +38,7 @@ def sheet_outlier_mask(points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n
     for _ in range(MAX_ROUNDS):
         if len(rows) <= 2 * NUM_NEIGHBOURS:
             break
-        sparse = _strewn(points[rows])
+        sparse = _scattered(points[rows])
         if not sparse.any():
             break
         rows = rows[~sparse]
@@ -47,8 +47,8 @@ def sheet_outlier_mask(points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n
     return outlier
 
 
-def _strewn(points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
-    """Returns which points are the sparse part of a cloud, if that is strewn over the sheet."""
+def _scattered(points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+    """Returns which points are the sparse part of a cloud, if that is scattered over the sheet."""
     none = np.zeros(len(points), bool)
     tree = cKDTree(points)
     crowding = np.log(tree.query(points, k=NUM_NEIGHBOURS + 1)[0][:, 1:].mean(axis=1))
