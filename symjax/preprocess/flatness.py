@@ -5,7 +5,7 @@ curved shell vary smoothly along the sheet, and those of a plate lie on two face
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int, Real
 from scipy.spatial import cKDTree
 
 RANK = 1e-6
@@ -54,9 +54,13 @@ def is_flat(points: Float[np.ndarray, "n 3"]) -> bool:
     count = min(NUM_NEIGHBOURS, len(points) - 1)
     neighbours = cKDTree(points[:, :2]).query(points[::step, :2], k=count + 1)[1][:, 1:]
     limit = max(CORRELATION, DEVIATIONS / np.sqrt(len(neighbours)))
-    ranks = np.argsort(np.argsort(height))  # scipy.stats takes a second to import
-    spread = np.argsort(np.argsort(np.abs(height - np.median(height[inside]))))
+    ranks, spread = _ranks(height), _ranks(np.abs(height - np.median(height[inside])))
     return all(_correlation(r[::step], r[neighbours].mean(axis=1)) <= limit for r in (ranks, spread))
+
+
+def _ranks(values: Float[np.ndarray, " n"]) -> Int[np.ndarray, " n"]:
+    """Returns ranks from 0 on, the same for equal values. (`scipy.stats` takes a second to import.)"""
+    return np.searchsorted(np.sort(values), values)
 
 
 def _bimodality(height: Float[np.ndarray, " n"]) -> float:
@@ -69,7 +73,7 @@ def _bimodality(height: Float[np.ndarray, " n"]) -> float:
     return float(((unit**3).mean() ** 2 + 1) / (unit**4).mean())
 
 
-def _correlation(a: Float[np.ndarray, " n"], b: Float[np.ndarray, " n"]) -> float:
+def _correlation(a: Real[np.ndarray, " n"], b: Real[np.ndarray, " n"]) -> float:
     if not (np.ptp(a) and np.ptp(b)):
         return 0.0
     return float(np.corrcoef(a, b)[0, 1])
