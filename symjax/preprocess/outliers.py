@@ -25,7 +25,7 @@ side."""
 ISOTROPIC = 0.09
 """Neighbours fill a volume if more than this fraction of their variance is along the direction of least variance.
 Medians: 0.10 to 0.16 for uniform points, 0 to 0.13 for surfaces without noise, 0 to 0.10 for scans from one side. Each
-of the two bounds alone makes errors; together they classified all of 900 evenly sampled clouds of 5 000 points and more."""
+of the two bounds alone makes errors; together they classified all of 900 even clouds of 5 000 points and more."""
 
 ISOLATED = 10.0
 """A point may be isolated if the mean distance to its neighbours is this many times the median over all points."""
