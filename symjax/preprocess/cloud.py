@@ -13,6 +13,7 @@ from symjax.geometry.similarity import Similarity
 from symjax.preprocess.cloud_frame import FramedPoints, to_cloud_frame
 from symjax.preprocess.flatness import is_flat
 from symjax.preprocess.ground import ground_mask
+from symjax.preprocess.layers import Layers, layered_subset
 from symjax.preprocess.outliers import outlier_mask
 from symjax.preprocess.sheet_outliers import sheet_outlier_mask
 from symjax.preprocess.thinning import distinct_rows, grid_subset, random_subset
@@ -50,6 +51,8 @@ class Cloud(NamedTuple):
         cleaned: whether outliers or a ground plane were removed.
         notes: what was removed, merged or thinned, as sentences.
         flat: whether the points lie in one sheet, apart from noise. The last axis of the frame is then its normal.
+        layers: planes or lines on which the given points lie, in units of the diagonal; None if they do not. The points
+            are then an evenly spread subset. Not looked for in flat clouds.
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -60,6 +63,7 @@ class Cloud(NamedTuple):
     cleaned: bool
     notes: tuple[str, ...]
     flat: bool = False
+    layers: Layers | None = None
 
     @property
     def diagonal(self) -> float:
@@ -150,10 +154,18 @@ def prepare(
     if not (drop_outliers or remove_ground):
         rows = rows[distinct_rows(framed.points[rows], notes)]
     check_num_points(len(rows), "distinct points")
+    layers = None
+    if not flat:
+        subset, layers = layered_subset(framed.points[rows])
+    if layers is not None:
+        notes.append(layers.note)
+        rows = rows[subset]
     of_points = None
     if normals is not None:
         of_points = np.asarray(framed.to_given.inverse().directions(as_normals(normals, given.shape, index[rows])))
-    return Cloud(framed.points[rows], of_points, index[rows], framed.to_given, len(given), cleaned, tuple(notes), flat)
+    return Cloud(
+        framed.points[rows], of_points, index[rows], framed.to_given, len(given), cleaned, tuple(notes), flat, layers
+    )
 
 
 def _clean_rows(

@@ -21,5 +21,6 @@ may have been missed: beyond a boundary, or in space hidden from the viewpoint o
    its mirror image far from any surface, and whether a missing part explains that. `evidence` orders the candidates
    and decides which of them the cloud confirms. `classification` compares the scores with a threshold, decides which
    candidates are mirror planes, and what symmetry they make up: none, one plane, several planes, an axis, or a sphere.
+   `layers` adds the error of sampling layers to the standard errors, and doubts planes that they leave uncertain.
    `notes` writes down what was assumed.
 """

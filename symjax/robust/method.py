@@ -18,6 +18,7 @@ from symjax.robust.surface import Surface, estimate_surface
 from symjax.robust.verification.classification import FoundThresholds, classify
 from symjax.robust.verification.contradiction import NO_CONTRADICTION, Contradiction, contradiction
 from symjax.robust.verification.evidence import Evidence, best_first
+from symjax.robust.verification.layers import doubt_of_layers, with_layers
 from symjax.robust.verification.notes import notes
 from symjax.robust.verification.scoring import PlaneScore, exactness, score_plane
 from symjax.robust.visibility import find_viewpoint
@@ -67,6 +68,8 @@ class Robust:
             below it is ignored.
         use_contradiction: whether mirror images far from the surface count as evidence of their own: they refute a
             plane if no missing part explains them, and further planes are only named if the cloud confirms them.
+        use_layers: whether the layers on which a cloud is sampled enter the standard errors. A plane that they leave
+            too uncertain is not found.
         inlier_agreement: agreement from which a pair counts as an inlier. The default is half of the maximum.
         found: the rule for the threshold that the score of a mirror plane must exceed.
         found_flat: the same rule for flat clouds, which are scored on their outlines.
@@ -112,6 +115,7 @@ class Robust:
     exactness_weight: float = 0.4
     chance_exactness: float = 0.4
     use_contradiction: bool = True
+    use_layers: bool = True
     inlier_agreement: float = 0.5
     found: FoundThresholds = field(default_factory=FoundThresholds)
     found_flat: FoundThresholds = field(default_factory=lambda: FLAT_THRESHOLDS)
@@ -196,8 +200,16 @@ class Robust:
                 ranked, evidence, quadrics, grid, thresholds, outline=outline, use_normals=self.use_normals
             )
         best, scored = refined[0].refinement, refined[0].scored
+        uncertainty, sentences = best.uncertainty, notes(evidence, result)
         if sheet is not None:
-            best = best._replace(uncertainty=uncertainty_in_space(best.uncertainty, best.plane, sheet))
+            uncertainty = uncertainty_in_space(uncertainty, best.plane, sheet)
+            sentences = (sheet.note, *sentences)
+        elif self.use_layers and cloud.layers is not None:
+            weight = scored.weight * scored.agreement
+            uncertainty = with_layers(uncertainty, ranked[0].plane, surface, weight, cloud.layers)
+            doubt = doubt_of_layers(uncertainty, evidence, cloud.layers)
+            if doubt is not None:
+                result, sentences = result.none(), (*sentences, doubt)
         rows = np.flatnonzero(scored.weight > 0)
         agreement = scored.agreement[rows]
         return MethodResult(
@@ -214,8 +226,8 @@ class Robust:
             sigma=best.sigma,
             converged=best.converged,
             message=best.message,
-            uncertainty=best.uncertainty,
-            notes=(*(() if sheet is None else (sheet.note,)), *notes(evidence, result)),
+            uncertainty=uncertainty,
+            notes=sentences,
         )
 
     def _refine(

@@ -2,5 +2,5 @@
 
 `scoring` compares the reflected cloud with the cloud at a fine scale, and `contradiction` at a coarse scale. `evidence`
 decides which candidate comes first and which others the cloud confirms. `classification` decides what symmetry they
-make up, and `notes` writes down what was assumed.
+make up. `layers` adds the error of sampling layers to the standard errors. `notes` writes down what was assumed.
 """

@@ -142,6 +142,10 @@ class Classification(NamedTuple):
     unconfirmed: int = 0
     refuted: bool = False
 
+    def none(self) -> "Classification":
+        """Returns the classification of the same candidates if none of them is a mirror plane."""
+        return Classification(self.threshold, "none", False, None, ())
+
 
 def background(ranked: Sequence[Candidate]) -> float:
     """Returns the median score of the candidates in the ranks BACKGROUND, or 0 if there are too few candidates."""
