@@ -59,7 +59,7 @@ def is_flat(points: Float[np.ndarray, "n 3"]) -> bool:
 
 
 def _ranks(values: Float[np.ndarray, " n"]) -> Int[np.ndarray, " n"]:
-    """Returns ranks from 0 on, the same for equal values. (`scipy.stats` takes a second to import.)"""
+    """Returns ranks from 0 on, the same for equal values, without `scipy.stats`, which takes a second to import."""
     return np.searchsorted(np.sort(values), values)
 
 

@@ -12,6 +12,7 @@ from symjax.method.result import Candidate, MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import Cloud
 from symjax.robust.duplicates import are_duplicates
+from symjax.robust.initial_plane import checked_plane
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.sheet import FLAT_THRESHOLDS, OWN_PLANE, find_sheet, uncertainty_in_space, upright
 from symjax.robust.surface import Surface, estimate_surface
@@ -123,7 +124,7 @@ class Robust:
     def __post_init__(self) -> None:
         """Checks the options and normalises the initial plane."""
         if self.init is not None:
-            object.__setattr__(self, "init", _checked_plane(self.init))
+            object.__setattr__(self, "init", checked_plane(self.init))
         for name in ("boundary_penalty", "refine_above", "chance_exactness", "inlier_agreement"):
             checks.number(name, getattr(self, name), least=0, most=1)
         checks.number("exactness_weight", self.exactness_weight, least=0)
@@ -278,30 +279,3 @@ class _Refined(NamedTuple):
     refinement: "Refinement"
     scored: PlaneScore
     contradiction: Contradiction
-
-
-class _InitialPlane(Plane):
-    """A plane that compares and hashes by value, so that methods with an initial plane do too; arrays do neither."""
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Plane) and all(map(np.array_equal, self, other))
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
-
-    def __hash__(self) -> int:
-        return hash((*self.normal.tolist(), float(self.offset)))
-
-
-def _checked_plane(plane: Plane) -> Plane:
-    """Returns the plane with a unit normal; raises InvalidArgumentError if it is not a plane."""
-    try:
-        normal, offset = (np.asarray(part, dtype=float) for part in plane)
-    except (TypeError, ValueError):
-        normal, offset = np.zeros(0), np.zeros(0)
-    if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
-        raise InvalidArgumentError(
-            f"init must be a Plane with a finite, nonzero normal of shape (3,) and a finite offset, not {plane!r}"
-        )
-    length = np.linalg.norm(normal)
-    return _InitialPlane(normal / length, offset / length)
