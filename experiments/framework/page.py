@@ -38,8 +38,11 @@ checkout. If the real models are absent, these studies say so and run without th
 
 **Protocol.** Points are sampled at random from the surface. The cloud is posed first (random rotation or reflection,
 and shift) and then corrupted, because a box of outliers along the object's own axes would itself be symmetric. Unless a
-section says otherwise, a detection is "right" if it is `found`, its normal is within 5° of the true one, and its offset
-is within 2 % of the diagonal."""
+section says otherwise, a detection is "correct" if it is `found`, its normal is within 5° of the true one, and its offset
+is within 2 % of the diagonal.
+
+**Labels.** Some labels and columns of the tables were renamed after the runs, so that they agree with the present code;
+the numbers were not changed. The figures were drawn by the runs and may show former labels."""
 
 
 def page(out: Path, folder: Path, missing: Mapping[str, str]) -> str:
