@@ -1,9 +1,10 @@
-"""Writes `architecture.svg`, the picture of `architecture.md`: `python docs/architecture.py`.
+"""Writes `architecture.svg`, and the last column of the tables of `architecture.md`: `python docs/architecture.py`.
 
 The packages and their order are read from the import contracts in `pyproject.toml`. What this file adds is where each
 box stands and which data goes from one package to another.
 """
 
+import re
 import tomllib
 from html import escape
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import NamedTuple
 
 PROJECT = Path(__file__).resolve().parents[1]
 PICTURE = Path(__file__).with_suffix(".svg")
+PAGE = Path(__file__).with_suffix(".md")
 
 WIDTH, TOP, ROW, BOX = 1080, 56, 78, 46
 """Width of the picture, top of the first layer, height of a layer, and height of a box."""
@@ -158,6 +160,20 @@ def layers_of(package: str) -> list[list[str]]:
     return [[name.strip() for name in layer.split("|")] for layer in layers]
 
 
+def with_imports(page: str) -> str:
+    """The page with the packages that each package may import: those of lower layers."""
+    for panel in PANELS:
+        layers = layers_of(panel.package)
+        before, heading, section = page.partition(f"\n## {panel.package}\n")
+        section, *after = re.split(r"(?=\n## )", section, maxsplit=1)
+        for row, layer in enumerate(layers):
+            lower = ", ".join(f"`{name}`" for names in layers[row + 1 :] for name in names) or "–"
+            for name in layer:
+                section = re.sub(rf"^(\| `{name}` \|.*\|)[^|]*\|$", rf"\1 {lower} |", section, flags=re.MULTILINE)
+        page = "".join([before, heading, section, *after])
+    return page
+
+
 def picture() -> str:
     """The picture as SVG.
 
@@ -244,3 +260,4 @@ def _text(x: float, y: float, kind: str, text: str) -> str:
 
 if __name__ == "__main__":
     PICTURE.write_text(picture(), encoding="utf-8", newline="\n")
+    PAGE.write_text(with_imports(PAGE.read_text(encoding="utf-8")), encoding="utf-8", newline="\n")

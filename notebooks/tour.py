@@ -59,7 +59,7 @@ ax.set(xlabel="weight of a pair", ylabel="pairs")
 plt.show()
 
 # %% [markdown]
-# Not every object has exactly one mirror plane. The detection tells the type of the symmetry.
+# Not every object has exactly one mirror plane. The detection gives the type of the symmetry.
 
 # %%
 for kind in ("block", "drum", "tree"):

@@ -19,7 +19,7 @@ Every study prints a table, with the paper's number or the target beside ours if
 CSV, the table as Markdown, the figure, if it has one, as PNG and PDF, and the provenance (command, commit, versions,
 seed, machine, time) as JSON. The files go to `experiments/out`, or to `experiments/out/small` at the small size. Of
 the former, the tables, figures and provenance are kept in the repository. Run the studies in the checkout, after
-`pip install ".[test]"` (or `".[experiments,arena]"`):
+`pip install ".[arena]"` (or `".[test]"`, which lacks pyclarcs only):
 
 ```sh
 python -m experiments.run list                  # all studies and what they show
@@ -38,8 +38,8 @@ checkout. If the real models are absent, these studies say so and run without th
 
 **Protocol.** Points are sampled at random from the surface. The cloud is posed first (random rotation or reflection,
 and shift) and then corrupted, because a box of outliers along the object's own axes would itself be symmetric. Unless a
-section says otherwise, a detection is "correct" if it is `found`, its normal is within 5° of the true one, and its offset
-is within 2 % of the diagonal.
+section says otherwise, a detection is "correct" if it is `found`, its normal is within 5° of the true one, and its
+offset is within 2 % of the diagonal.
 
 **Labels.** Some labels and columns of the tables were renamed after the runs, so that they agree with the present code;
 the numbers were not changed. The figures were drawn by the runs and may show former labels."""

@@ -13,6 +13,7 @@ from symjax.cli.outputs import Reading, check_outputs, echo_result
 from symjax.cli.progress import progress
 from symjax.cli.start import start_jax
 from symjax.detection import summary
+from symjax.detection.methods import METHODS, NAMED
 
 if TYPE_CHECKING:
     from symjax.detection.result import Detection
@@ -26,7 +27,7 @@ OWNERS = {"init": "robust", "sigma": "sym-hks", "restarts": "sym-hks"}
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--method",
-    type=click.Choice(["robust", "sym-hks"]),
+    type=click.Choice(METHODS),
     default="robust",
     help="Method: robust copes with outliers, missing parts and noise; sym-hks is the paper's Algorithm 1.",
 )
@@ -36,7 +37,7 @@ OWNERS = {"init": "robust", "sigma": "sym-hks", "restarts": "sym-hks"}
     type=float,
     nargs=4,
     metavar="NX NY NZ D",
-    help="Guess of the plane, NX x + NY y + NZ z = D, tried beside all other hypotheses (robust only).",
+    help="Guess of the plane, NX x + NY y + NZ z = D, tried in addition to all other hypotheses (robust only).",
 )
 @click.option("--max-planes", type=int, metavar="N", help="Limit on the mirror planes and candidates.  [default: 9]")
 @click.option("--keep-outliers", is_flag=True, help="Keep scattered outliers.  [default for sym-hks]")
@@ -122,15 +123,15 @@ def _method(name: str, given: dict[str, Any]) -> "Method":
         from symjax.symhks.method import SymHKS
 
         return SymHKS(**given)
-    import numpy as np
+    if "init" in given:
+        import numpy as np
 
-    from symjax.geometry.plane import Plane
-    from symjax.robust.method import Robust
+        from symjax.geometry.plane import Plane
+        from symjax.robust.method import Robust
 
-    if "init" not in given:
-        return Robust()
-    *normal, offset = given["init"]
-    return Robust(init=Plane(np.array(normal), np.array(offset)))
+        *normal, offset = given["init"]
+        return Robust(init=Plane(np.array(normal), np.array(offset)))
+    return NAMED[name]()
 
 
 def _write(detection: "Detection", outputs: dict[str, Path | None], announce: Callable[[str], None]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
+from symjax.detection.methods import METHODS, NAMED
 from symjax.detection.result import Detection, Pairs
 from symjax.errors import InvalidArgumentError, MethodError
 from symjax.geometry.checks import choice, whole
@@ -17,13 +18,6 @@ from symjax.method.result import MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import MAX_POINTS, Cloud, prepare
 from symjax.preprocess.validation import as_points
-from symjax.robust.method import Robust
-from symjax.symhks.method import SymHKS
-
-NAMED: dict[str, type[Robust] | type[SymHKS]] = {"robust": Robust, "sym-hks": SymHKS}
-
-METHODS = tuple(NAMED)
-"""Names of the methods."""
 
 MAX_PLANES = 9
 """Default limit on the candidates: a cube has nine mirror planes."""

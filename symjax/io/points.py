@@ -15,7 +15,12 @@ from jaxtyping import Float
 from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
 from symjax.io import mesh, npy, text
 from symjax.io.atomic import replacing
-from symjax.io.formats import gltf, obj_off_stl, pcd, ply
+from symjax.io.formats import (
+    gltf,
+    obj_off_stl,
+    pcd,
+    ply,
+)
 
 NUM_SAMPLES = 20_000
 """Points sampled from a mesh by default: dense enough for the resolution of `detect`, and fast."""
@@ -27,8 +32,24 @@ MESHES = {
     ".stl": obj_off_stl.read_stl,
     ".glb": gltf.read,
 }
-CLOUDS = {".pcd": pcd.read, ".xyz": text.read, ".txt": text.read, ".csv": text.read}
-FORMATS = ("PLY", "OBJ", "OFF", "STL", "GLB", "XYZ", "TXT", "CSV", "NPY", "PCD")
+CLOUDS = {
+    ".xyz": text.read,
+    ".txt": text.read,
+    ".csv": text.read,
+    ".pcd": pcd.read,
+}
+FORMATS = (
+    "PLY",
+    "OBJ",
+    "OFF",
+    "STL",
+    "GLB",
+    "XYZ",
+    "TXT",
+    "CSV",
+    "NPY",
+    "PCD",
+)
 """Formats, which are also the extensions, in the order of error messages."""
 
 SIGNATURES = {

@@ -132,8 +132,8 @@ def register(
         sigmas: scale σ of the residual in each step, in the units of the points.
         probes: the points that are reflected.
         grid: the voxel grid around the surface.
-        point_share: weight of the squared point-to-point distance beside the squared point-to-plane distance. It keeps
-            a plane from drifting where the surface can slide along itself.
+        point_share: weight of the squared point-to-point distance relative to the squared point-to-plane distance. It
+            keeps a plane from drifting where the surface can slide along itself.
         use_normals: whether a pair weighs less if its normals disagree.
 
     Returns:

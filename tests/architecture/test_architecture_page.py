@@ -35,6 +35,12 @@ def test_every_arrow_ends_at_its_packages(architecture):
                 assert min(box.left for box in boxes) < flow.x < max(box.right for box in boxes), flow
 
 
+def test_the_script_writes_the_last_column_of_the_tables(architecture):
+    text = architecture.PAGE.read_text(encoding="utf-8")
+    assert architecture.with_imports(text) == text
+    assert architecture.with_imports(text.replace("`io`, `geometry`, `errors` |", "|")) == text
+
+
 @pytest.mark.parametrize("package", ["symjax", "experiments"])
 def test_the_tables_list_what_each_package_may_import(architecture, package):
     text = (DOCS / "architecture.md").read_text(encoding="utf-8")

@@ -13,15 +13,19 @@ PROJECT = Path(__file__).resolve().parents[2]
 TEXT = (PROJECT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 
 EXISTING = (
+    "tests/architecture/test_architecture_page.py",
     "tests/architecture/test_docstrings.py",
     "tests/architecture/test_imports.py",
     "tests/architecture/test_file_layout.py",
+    "tests/cli/test_detect.py",
     "tests/experiments/baselines/test_baseline.py",
     "tests/experiments/comparison/test_leaderboard.py",
     "tests/experiments/framework/test_run.py",
     "tests/experiments/studies/test_studies.py",
 )
 ABOUT = (
+    "architecture_page",
+    "every_named_method",
     "exhaustive",
     "skewness",
     "mean_offset",
@@ -51,12 +55,15 @@ def blocks():
     return [Block(*match.groups(), TEXT[: match.start()].rstrip().rpartition("\n\n")[2]) for match in found]
 
 
-def changed(text, diff):
+def changed(text, block):
     """A text after a change; every part of it must fit exactly one place."""
-    for part in diff.split("@@\n"):
+    for part in block.code.split("@@\n"):
         old = "".join(line[1:] for line in part.splitlines(True) if line[0] in " -")
         new = "".join(line[1:] for line in part.splitlines(True) if line[0] in " +")
-        assert f"\n{text}".count(f"\n{old}") == 1, f"not there, or more than once:\n{old}"
+        assert f"\n{text}".count(f"\n{old}") == 1, (
+            f"CONTRIBUTING.md, block of {block.path}: these lines must be in the file exactly once. If the file has "
+            f"changed, change the lines without + in the block too:\n{old}"
+        )
         text = f"\n{text}".replace(f"\n{old}", f"\n{new}")[1:]
     return text
 
@@ -73,11 +80,12 @@ def copy(tmp_path_factory):
     for block in blocks():
         path = folder / block.path
         if block.kind == "diff":
-            path.write_text(changed(path.read_text(encoding="utf-8"), block.code), encoding="utf-8")
+            path.write_text(changed(path.read_text(encoding="utf-8"), block), encoding="utf-8")
         else:
             assert not path.exists()
             path.parent.mkdir(exist_ok=True)
             path.write_text(block.code, encoding="utf-8")
+    python(folder, "docs/architecture.py")
     return folder
 
 
@@ -91,7 +99,20 @@ def test_there_is_an_example_of_each_with_its_test():
     titles = re.findall(r"^### An? (.*)$", TEXT, re.MULTILINE)
     assert set(titles) == {"method", "baseline", "metric", "study", "file format"}
     for section in re.split(r"^### ", TEXT, flags=re.MULTILINE)[1:]:
-        assert len(re.findall(r"file=tests/\S*/test_\w+\.py", section)) >= 1
+        (path,) = re.findall(r"^```python file=(tests/\S*/test_\w+\.py)$", section, re.MULTILINE)
+        (command,) = re.findall(r"^pytest -n 0 .*$", section, re.MULTILINE)[:1]
+        assert any(path.startswith(argument) for argument in command.split()[3:]), command
+        for argument in re.findall(r"^pytest -n 0 (.*?)(?: -k.*)?$", section, re.MULTILINE):
+            for name in argument.split():
+                assert (PROJECT / name).exists() or name in {path, str(Path(path).parent), "symjax/exhaustive"}, name
+
+
+def test_a_block_that_does_not_fit_its_file_is_named():
+    block = Block("diff", "symjax/io/points.py", " a\n+b\n", "")
+    assert changed("x\na\n", block) == "x\na\nb\n"
+    for text in ("x\n", "a\nx\na\n"):
+        with pytest.raises(AssertionError, match=r"CONTRIBUTING\.md, block of symjax/io/points\.py"):
+            changed(text, block)
 
 
 def test_every_block_is_introduced_by_the_name_of_its_file():
@@ -110,7 +131,7 @@ def test_the_examples_pass_their_tests_and_those_of_the_project(copy):
 def test_the_examples_follow_the_conventions(copy):
     pytest.importorskip("importlinter", reason="the linters are in the extra dev")
     written = [block.path for block in blocks()]
-    python(copy, "-m", "ruff", "check", *written)
+    python(copy, "-m", "ruff", "check", *(path for path in written if path.endswith((".py", ".toml"))))
     python(copy, "-m", "ruff", "format", "--check", *(path for path in written if path.endswith(".py")))
     done = subprocess.run(["lint-imports", "--no-cache"], cwd=copy, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout

@@ -112,6 +112,11 @@ def test_options_reach_the_method(run, fake, scan):
     assert str(SymHKS(restarts=5, sigma=0.05)) in out
 
 
+def test_every_named_method_is_the_one_that_runs(run, fake, scan):
+    for name in detect.METHODS:
+        assert str(detect.method_of(name)) in run("detect", scan, "--method", name)[1]
+
+
 def test_help_states_the_choices_and_defaults_of_detect(run):
     _, out, _ = run("detect", "--help")
     assert f"[{'|'.join(detect.METHODS)}]" in out

@@ -17,7 +17,7 @@ from experiments.framework.options import split_names
 from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from symjax import datasets
-from symjax.detection.detect import METHODS
+from symjax.detection.methods import METHODS
 from symjax.detection.result import Detection
 from symjax.geometry.plane import Plane
 from symjax.geometry.similarity import Similarity

@@ -18,7 +18,7 @@ from experiments.framework.study import Study
 from experiments.framework.tables import Row, grouped
 from experiments.studies.speed.memory import peak_memory
 from symjax import datasets
-from symjax.detection.detect import METHODS
+from symjax.detection.methods import METHODS
 
 TARGETS = {("robust", 300_000): "<= 2.5 x", ("sym-hks", 5_000): "< 1 s", ("sym-hks", 300_000): "< 8 s"}
 TARGET_MEMORY = "<= 1024 MiB more"
