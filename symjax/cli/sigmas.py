@@ -38,7 +38,7 @@ class Sigmas(ParamType):
             self.fail(f"{value!r} is neither FIRST:LAST:COUNT nor a list such as 0.01,0.02,0.05", param, ctx)
         for sigma in sigmas:
             if not (math.isfinite(sigma) and sigma > 0):
-                self.fail(f"a scale must be a positive, finite fraction of the diagonal, not {sigma:g}", param, ctx)
+                self.fail(f"a scale must be a positive, finite fraction of the diagonal, got {sigma:g}", param, ctx)
         return tuple(sorted(set(sigmas)))
 
 

@@ -111,7 +111,7 @@ def method_of(method: str | Method) -> Method:
         return NAMED[method]()
     if isinstance(method, type) or not isinstance(method, Method):
         raise InvalidArgumentError(
-            f"method must be one of {', '.join(METHODS)}, or a Method such as symjax.Robust(), not {method!r}"
+            f"method must be one of {', '.join(METHODS)}, or a Method such as symjax.Robust(), got {method!r}"
         )
     return method
 
@@ -122,7 +122,7 @@ def _seeded(rng: int | np.integer | np.random.Generator) -> tuple[int | None, np
         return None, rng
     if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and rng >= 0:
         return int(rng), np.random.default_rng(int(rng))
-    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, not {rng!r}")
+    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, got {rng!r}")
 
 
 def _in_given_units(

@@ -20,7 +20,7 @@ def whole(name: str, value: Any, least: int) -> int:
     """
     number = _python_scalar(value)
     if not isinstance(number, int) or isinstance(number, bool) or number < least:
-        raise InvalidArgumentError(f"{name} must be a whole number, at least {least}, not {value!r}")
+        raise InvalidArgumentError(f"{name} must be a whole number, at least {least}, got {value!r}")
     return number
 
 
@@ -51,7 +51,7 @@ def number(
     if not is_number or not (least <= found <= most and above < found < below):
         bounds = {"at least": least, "above": above, "at most": most, "below": below}
         named = "".join(f", {word} {bound:g}" for word, bound in bounds.items() if math.isfinite(bound))
-        raise InvalidArgumentError(f"{name} must be a finite number{named}, not {value!r}")
+        raise InvalidArgumentError(f"{name} must be a finite number{named}, got {value!r}")
     return float(found)
 
 
@@ -62,7 +62,7 @@ def flag(name: str, value: Any) -> bool:
         InvalidArgumentError: if the value is neither.
     """
     if not isinstance(_python_scalar(value), bool):
-        raise InvalidArgumentError(f"{name} must be True or False, not {value!r}")
+        raise InvalidArgumentError(f"{name} must be True or False, got {value!r}")
     return bool(value)
 
 

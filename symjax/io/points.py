@@ -111,12 +111,12 @@ def read_points(
         'cloud of 2 points'
     """
     if num_samples < 1:
-        raise InvalidArgumentError(f"num_samples must be at least 1, not {num_samples}")
+        raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
     try:
         generator = np.random.default_rng(rng)
     except (TypeError, ValueError) as error:
         raise InvalidArgumentError(
-            f"rng must be a nonnegative seed or a numpy.random.Generator, not {rng!r}"
+            f"rng must be a nonnegative seed or a numpy.random.Generator, got {rng!r}"
         ) from error
     path = Path(path)
     suffix = path.suffix.lower()
@@ -197,7 +197,7 @@ def write_points(path: str | os.PathLike[str], points: Float[np.ndarray, "n 3"],
     points = np.asarray(points)
     if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "fiu":
         raise InvalidPointsError(
-            f"points must be real numbers of shape (n, 3), not {points.dtype} of shape {points.shape}"
+            f"points must be real numbers of shape (n, 3), got {points.dtype} of shape {points.shape}"
         )
     if target.suffix.lower() != ".ply":
         raise InvalidArgumentError(

@@ -22,7 +22,7 @@ def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
     except ValueError as error:
         raise InvalidPointsError("points must be an (n, 3) array, but the rows differ in length") from error
     if array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"points must be real numbers, not {array.dtype}: convert them to float first")
+        raise InvalidPointsError(f"points must be real numbers, got {array.dtype}: convert them to float first")
     if array.size == 0:
         raise TooFewPointsError(f"points is empty (shape {array.shape}): at least {MIN_POINTS} points are needed")
     if array.ndim != 2 or array.shape[1] != 3:
@@ -33,7 +33,7 @@ def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
             hint = ": pass the coordinates only (points[:, :3])"
         elif array.ndim == 2 and array.shape[1] == 2:
             hint = ": add a third column for the z coordinate"
-        raise InvalidPointsError(f"points must have shape (n, 3), not {array.shape}{hint}")
+        raise InvalidPointsError(f"points must have shape (n, 3), got {array.shape}{hint}")
     return array.astype(float)
 
 
@@ -92,9 +92,9 @@ def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray,
     except ValueError as error:
         raise InvalidPointsError(f"normals must be an array of shape {shape}, but the rows differ in length") from error
     if array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"normals must be real numbers, not {array.dtype}")
+        raise InvalidPointsError(f"normals must be real numbers, got {array.dtype}")
     if array.shape != shape:
-        raise InvalidPointsError(f"normals must have the shape of the points, {shape}, not {array.shape}")
+        raise InvalidPointsError(f"normals must have the shape of the points, {shape}, got {array.shape}")
     used: Float[np.ndarray, "m 3"] = array[rows].astype(float)
     bad = ~np.isfinite(used).all(axis=1) | (np.abs(used).max(axis=1) == 0)
     if bad.any():

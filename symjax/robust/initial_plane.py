@@ -27,7 +27,7 @@ def checked_plane(plane: Plane) -> Plane:
         normal, offset = np.zeros(0), np.zeros(0)
     if normal.shape != (3,) or offset.shape != () or not np.isfinite([*normal, offset]).all() or not normal.any():
         raise InvalidArgumentError(
-            f"init must be a Plane with a finite, nonzero normal of shape (3,) and a finite offset, not {plane!r}"
+            f"init must be a Plane with a finite, nonzero normal of shape (3,) and a finite offset, got {plane!r}"
         )
     length = np.linalg.norm(normal)
     return InitialPlane(normal / length, offset / length)

@@ -136,7 +136,7 @@ class Robust:
         for name in ("found", "found_flat"):
             if not isinstance(getattr(self, name), FoundThresholds):
                 raise InvalidArgumentError(
-                    f"{name} must be a FoundThresholds, such as FoundThresholds(), not {getattr(self, name)!r}"
+                    f"{name} must be a FoundThresholds, such as FoundThresholds(), got {getattr(self, name)!r}"
                 )
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:

@@ -202,7 +202,7 @@ def spectrum(
     """
     if not 1 <= num_eigs < len(points) - 1:
         raise InvalidArgumentError(
-            f"num_eigs must be between 1 and {len(points) - 2} for {len(points)} points, not {num_eigs}"
+            f"num_eigs must be between 1 and {len(points) - 2} for {len(points)} points, got {num_eigs}"
         )
     if laplacian == "stars":
         matrix, mass = star_laplacian(points, normals=normals, num_neighbours=num_neighbours)

@@ -133,7 +133,7 @@ def test_errors_are_one_line_and_status_2(run, pairs, tmp_path, monkeypatch):
         ([pairs, "--pairs", "--out", tmp_path / "a.json"], "must end in .nc or .csv"),
         ([pairs, "--pairs", "--out", tmp_path / "old.csv"], "use --force"),
         ([pairs, "--pairs", "--html", pairs, "--force"], "it is also the input or another output"),
-        ([pairs, "--pairs", "--sigma", "0"], "a scale must be a positive, finite fraction of the diagonal, not 0"),
+        ([pairs, "--pairs", "--sigma", "0"], "a scale must be a positive, finite fraction of the diagonal, got 0"),
         ([pairs, "--pairs", "--restarts", 0], "--restarts"),
         ([pairs, "--pairs", "--start", "best"], "'best' is not one of"),
         ([bad, "--pairs"], "5 of 5 pairs are NaN"),

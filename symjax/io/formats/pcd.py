@@ -118,7 +118,7 @@ def _parse_header(data: bytes) -> Header:
     encoding = " ".join(values["DATA"])
     if encoding not in ("ascii", "binary", "binary_compressed"):
         raise FileFormatError(
-            f"line {num_lines}: DATA must be ascii, binary or binary_compressed, not {parsing.shown(encoding)}"
+            f"line {num_lines}: DATA must be ascii, binary or binary_compressed, got {parsing.shown(encoding)}"
         )
     width, height = _number(values, "WIDTH"), _number(values, "HEIGHT")
     if "POINTS" in values and (points := _number(values, "POINTS")) != width * height:
@@ -138,7 +138,7 @@ def _fields(values: dict[str, list[str]]) -> list[Field]:
     rows = [values.get("SIZE", []), values.get("TYPE", []), values.get("COUNT", ["1"] * len(names))]
     if any(len(row) != len(names) for row in rows):
         raise FileFormatError(
-            "FIELDS, SIZE, TYPE and COUNT of the PCD header must have the same number of entries, not "
+            "FIELDS, SIZE, TYPE and COUNT of the PCD header must have the same number of entries, got "
             + ", ".join(str(len(row)) for row in (names, *rows))
         )
     fields: list[Field] = []

@@ -170,9 +170,9 @@ def checked_sigma(sigma: Sigma, solver: Any, dtype: Any) -> Float[Array, ""] | N
     """
     if isinstance(sigma, str):
         if sigma != AUTO:
-            raise InvalidArgumentError(f"sigma must be a positive number or {AUTO!r}, not {sigma!r}")
+            raise InvalidArgumentError(f"sigma must be a positive number or {AUTO!r}, got {sigma!r}")
         if solver != "newton":
-            raise InvalidArgumentError(f"sigma={AUTO!r} is estimated with solver='newton' only, not {solver!r}")
+            raise InvalidArgumentError(f"sigma={AUTO!r} is estimated with solver='newton' only, got {solver!r}")
         return None
     return checked_sigmas(sigma, 0, dtype)
 
@@ -186,11 +186,11 @@ def checked_sigmas(sigmas: Any, ndim: int, dtype: Any) -> Float[Array, "*s"]:
     name = "sigmas" if ndim else "sigma"
     array = _as_array(sigmas, name, InvalidArgumentError)
     if array.ndim != ndim or array.size == 0:
-        raise InvalidArgumentError(f"{name} has shape {array.shape}, not {'(S,)' if ndim else '()'}")
+        raise InvalidArgumentError(f"{name} must have shape {'(S,)' if ndim else '()'}, got {array.shape}")
     if _known(array):
         values = np.asarray(array)
         if not (np.isfinite(values) & (values > 0)).all():
-            raise InvalidArgumentError(f"{name} must be positive and finite, in the units of the points, not {values}")
+            raise InvalidArgumentError(f"{name} must be positive and finite, in the units of the points, got {values}")
     return jnp.asarray(array, dtype)
 
 
@@ -203,7 +203,7 @@ def checked_normals(normals: Real[AnyArray, "*r 3"] | Sequence[Any], ndim: int, 
     name = "v0s" if ndim == 2 else "v0"
     array = _as_array(normals, name, InvalidArgumentError)
     if array.ndim != ndim or array.shape[-1] != 3 or array.size == 0:
-        raise InvalidArgumentError(f"{name} has shape {array.shape}, not {'(R, 3)' if ndim == 2 else '(3,)'}")
+        raise InvalidArgumentError(f"{name} must have shape {'(R, 3)' if ndim == 2 else '(3,)'}, got {array.shape}")
     rows = array.reshape(-1, 3)
     count, first = _bad(_not_unit_rows, rows)
     if count:

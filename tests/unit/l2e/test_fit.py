@@ -259,9 +259,9 @@ def test_bad_arguments_are_refused_before_anything_is_computed(monkeypatch, chan
 
 
 def test_bad_sweeps_are_refused():
-    with pytest.raises(InvalidArgumentError, match=r"sigmas has shape \(\)"):
+    with pytest.raises(InvalidArgumentError, match=r"sigmas must have shape \(S,\), got \(\)"):
         sweep(GOOD["x"], GOOD["y"], 0.1, np.eye(3))
-    with pytest.raises(InvalidArgumentError, match=r"v0s has shape \(3,\)"):
+    with pytest.raises(InvalidArgumentError, match=r"v0s must have shape \(R, 3\), got \(3,\)"):
         sweep(GOOD["x"], GOOD["y"], [0.1], np.eye(3)[0])
     with pytest.raises(InvalidArgumentError, match="1 of 3 starting normals"):
         sweep(GOOD["x"], GOOD["y"], [0.1], np.diag([1.0, 2.0, 1.0]))

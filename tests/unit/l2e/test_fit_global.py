@@ -158,9 +158,9 @@ GOOD = {"x": np.eye(3), "y": np.eye(3)[::-1], "sigma": 0.1}
     ("change", "error", "match"),
     [
         ({"sigma": 0.0}, InvalidArgumentError, "sigma must be positive"),
-        ({"sigma": "automatic"}, InvalidArgumentError, "or 'auto', not 'automatic'"),
+        ({"sigma": "automatic"}, InvalidArgumentError, "or 'auto', got 'automatic'"),
         ({"sigma": [0.1]}, InvalidArgumentError, "shape"),
-        ({"num_hypotheses": 0}, InvalidArgumentError, "num_hypotheses must be a whole number, at least 1, not 0"),
+        ({"num_hypotheses": 0}, InvalidArgumentError, "num_hypotheses must be a whole number, at least 1, got 0"),
         ({"num_hypotheses": 2.5}, InvalidArgumentError, "num_hypotheses"),
         ({"num_refined": -1}, InvalidArgumentError, "num_refined"),
         ({"max_steps": -1}, InvalidArgumentError, "max_steps"),

@@ -28,7 +28,7 @@ def test_the_given_points_are_not_written_to():
         (np.zeros((3, 8)), "transpose"),
         (np.zeros((8, 6)), "coordinates only"),
         (np.zeros((8, 2)), "third column"),
-        (np.zeros((2, 4, 3)), r"not \(2, 4, 3\)"),
+        (np.zeros((2, 4, 3)), r"got \(2, 4, 3\)"),
         (np.zeros((8, 3), complex), "real numbers"),
         (np.zeros((8, 3), bool), "real numbers"),
         (np.full((8, 3), "1"), "real numbers"),
@@ -72,8 +72,8 @@ def test_normals_are_selected_by_row_and_bad_ones_in_other_rows_do_not_matter(rn
     ("normals", "message"),
     [
         ([[1, 2, 3], [1, 2]], r"shape \(2, 3\), but the rows differ in length"),
-        ([["a"] * 3] * 2, "real numbers, not <U1"),
-        (np.ones((3, 3)), r"shape of the points, \(2, 3\), not \(3, 3\)"),
+        ([["a"] * 3] * 2, "real numbers, got <U1"),
+        (np.ones((3, 3)), r"shape of the points, \(2, 3\), got \(3, 3\)"),
     ],
 )
 def test_normals_of_another_shape_or_type_are_refused(normals, message):

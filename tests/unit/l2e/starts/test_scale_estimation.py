@@ -154,7 +154,7 @@ def test_only_newton_estimates(monkeypatch, solver):
     monkeypatch.setattr(fit_plane_module, "_fit_plane", None)
     with pytest.raises(InvalidArgumentError, match="estimated with solver='newton'"):
         fit_plane(np.eye(3), np.eye(3)[::-1], "auto", solver=solver)
-    with pytest.raises(InvalidArgumentError, match="or 'auto', not 'Auto'"):
+    with pytest.raises(InvalidArgumentError, match="or 'auto', got 'Auto'"):
         fit_plane(np.eye(3), np.eye(3)[::-1], "Auto")
 
 
