@@ -64,7 +64,7 @@ def evaluate(
         seconds without compilation.
 
     Raises:
-        ValueError: If the object with this number has another name, because the benchmark has changed.
+        ValueError: if the object with this number has another name, because the benchmark has changed.
     """
     whole = benchmark_object(benchmark, data, item, seed, num_points)
     if whole.case.name != name:

@@ -99,8 +99,8 @@ def items(benchmark: str, data: str, most: int) -> dict[int, str]:
         most: largest number of objects.
 
     Raises:
-        DataAbsentError: If a benchmark other than `real` is not in its folder.
-        FileFormatError: If a file is malformed.
+        DataAbsentError: if a benchmark other than `real` is not in its folder.
+        FileFormatError: if a file is malformed.
     """
     if benchmark == PROCEDURAL:
         return {k: procedural.kind(k) for k in range(min(most, procedural.NUM_OBJECTS))}

@@ -92,8 +92,8 @@ def tasks(config: Config) -> list[Row]:
     """Returns the arguments of all calls of `evaluate`, ordered by object, so that a process builds each object once.
 
     Raises:
-        ValueError: If a name is unknown.
-        DataAbsentError: If a benchmark is not in its folder.
+        ValueError: if a name is unknown.
+        DataAbsentError: if a benchmark is not in its folder.
     """
     methods = usable(split_names(config.methods, ENTRIES))
     conditions = split_names(config.conditions, SWEEP_CONDITIONS)

@@ -34,7 +34,7 @@ def gte(prediction: Prediction) -> GroundTruthError:
         prediction: a case with at least one true plane, and at least one predicted plane.
 
     Raises:
-        InvalidArgumentError: If there is no predicted or no true plane.
+        InvalidArgumentError: if there is no predicted or no true plane.
     """
     num_answers, num_truths = len(prediction.ranking.offsets), len(prediction.case.planes)
     if not num_answers or not num_truths:

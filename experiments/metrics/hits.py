@@ -26,7 +26,7 @@ def hit_rates(deviations: Sequence[Deviation], *, within: float = WITHIN_OFFSET)
         within: limit on the offset error, in diagonals.
 
     Raises:
-        InvalidArgumentError: If there are no deviations.
+        InvalidArgumentError: if there are no deviations.
     """
     angles = _angles(deviations, within)
     return {degrees: float((angles < degrees).mean()) for degrees in ANGLES}
@@ -44,7 +44,7 @@ def area(deviations: Sequence[Deviation], *, within: float = WITHIN_OFFSET, larg
         largest: upper limit of the integral, in degrees.
 
     Raises:
-        InvalidArgumentError: If there are no deviations.
+        InvalidArgumentError: if there are no deviations.
     """
     return float(np.maximum(1 - _angles(deviations, within) / largest, 0).mean())
 

@@ -58,7 +58,7 @@ def scores(predictions: Sequence[Prediction]) -> Scores:
     """Computes the scores over all shapes; a shape without a predicted plane or without a hit counts as 0.
 
     Raises:
-        InvalidArgumentError: If there are no shapes.
+        InvalidArgumentError: if there are no shapes.
     """
     if not predictions:
         raise InvalidArgumentError("the list of predictions is empty: PHC and mAP need at least one shape")

@@ -22,7 +22,7 @@ def check_outputs(
         endings: the file name extensions that an option accepts, if it accepts only some.
 
     Raises:
-        InvalidArgumentError: a file cannot be written there, or must not be.
+        InvalidArgumentError: if a file cannot be written there, or must not be.
     """
     seen = {path.resolve() for path in inputs}
     for option, path in outputs.items():

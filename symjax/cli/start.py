@@ -12,7 +12,7 @@ def start_jax(*, cache: bool, all_cores: bool = False) -> None:
         all_cores: whether every CPU core becomes a device of JAX, for batches that are split among the devices.
 
     Raises:
-        InvalidArgumentError: the cache folder cannot be created.
+        InvalidArgumentError: if the cache folder cannot be created.
     """
     from symjax.errors import InvalidArgumentError
     from symjax.l2e.jax_config import enable_compilation_cache

@@ -61,7 +61,7 @@ def detect(
         `found`.
 
     Raises:
-        SymjaxError: the input is invalid. The subclass and the message say why (see `symjax.errors`).
+        SymjaxError: if the input is invalid. The subclass and the message say why (see `symjax.errors`).
 
     Example:
         >>> import numpy as np
@@ -104,7 +104,7 @@ def method_of(method: str | Method) -> Method:
     """Returns the method with a given name, or the given method itself.
 
     Raises:
-        InvalidArgumentError: the name is unknown, or the object is not a `Method`.
+        InvalidArgumentError: if the name is unknown, or the object is not a `Method`.
     """
     if isinstance(method, str):
         choice("method", method, NAMED)

@@ -28,7 +28,7 @@ def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> De
         The detection, with the given points.
 
     Raises:
-        FileFormatError: the file is missing or unreadable, or is not a complete detection.
+        FileFormatError: if the file is missing or unreadable, or is not a complete detection.
 
     Example:
         >>> import tempfile

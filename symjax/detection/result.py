@@ -150,7 +150,7 @@ class Detection:
             True for each point that belongs to the object.
 
         Raises:
-            InvalidArgumentError: the detection was loaded without its points, and they are needed.
+            InvalidArgumentError: if the detection was loaded without its points, and they are needed.
         """
         points = self._given(points)
         return completion.on_surface(points, self._given(None)[self.used] if self.cleaned else None)
@@ -166,7 +166,7 @@ class Detection:
             The points, followed by their mirror images.
 
         Raises:
-            InvalidArgumentError: `points` is None and the detection was loaded without its points.
+            InvalidArgumentError: if `points` is None and the detection was loaded without its points.
         """
         if points is None:
             points = self._given(None)[self.on_surface()]
@@ -185,7 +185,7 @@ class Detection:
             surface, on the side that faces away from the centre of the cloud; NaN for a point that is not finite.
 
         Raises:
-            InvalidArgumentError: the detection was loaded without its points.
+            InvalidArgumentError: if the detection was loaded without its points.
         """
         from symjax.detection.asymmetry import asymmetry
 
@@ -209,8 +209,8 @@ class Detection:
             The plotly figure.
 
         Raises:
-            TooFewPointsError: the detection was loaded without its points.
-            InvalidArgumentError: the file cannot be written.
+            TooFewPointsError: if the detection was loaded without its points.
+            InvalidArgumentError: if the file cannot be written.
         """
         from symjax.viz import html
 
@@ -225,8 +225,8 @@ class Detection:
             path: the file to write.
 
         Raises:
-            TooFewPointsError: the detection was loaded without its points.
-            InvalidArgumentError: the file cannot be written.
+            TooFewPointsError: if the detection was loaded without its points.
+            InvalidArgumentError: if the file cannot be written.
         """
         from symjax.viz.png import write_png
 
@@ -243,6 +243,6 @@ class Detection:
             path: the file to write; an existing file is replaced.
 
         Raises:
-            InvalidArgumentError: the file cannot be written.
+            InvalidArgumentError: if the file cannot be written.
         """
         serialisation.save(self, path)

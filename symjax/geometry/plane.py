@@ -29,7 +29,7 @@ class Plane(NamedTuple):
     """
 
     normal: Float[AnyArray, "*batch 3"]
-    offset: Float[AnyArray, "*batch"]
+    offset: Float[AnyArray, "*batch"] | float
 
     def signed_distance(self, points: Float[AnyArray, "n 3"]) -> Float[AnyArray, "*batch n"]:
         """Computes v·x − ω, positive on the side that the normal points to.

@@ -25,7 +25,7 @@ def write(sweep: ScaleSweep, path: str | os.PathLike[str]) -> None:
         path: the file to write; an existing file is replaced.
 
     Raises:
-        InvalidArgumentError: the file cannot be written, or it is netCDF and xarray is not installed.
+        InvalidArgumentError: if the file cannot be written, or it is netCDF and xarray is not installed.
     """
     target = Path(path)
     with replacing(target) as temporary:

@@ -37,7 +37,7 @@ def write_html(sweep: "ScaleSweep", path: str | os.PathLike[str], *, title: str 
         title: title of the page, as plain text.
 
     Raises:
-        InvalidArgumentError: the file cannot be written.
+        InvalidArgumentError: if the file cannot be written.
     """
     notes = (*sweep.pairs.notes, NO_BASINS if sweep.fits.start is None else BASINS)
     write_page(figure(sweep), path, title=title, notes=notes)

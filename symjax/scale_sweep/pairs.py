@@ -41,7 +41,7 @@ def cloud_pairs(points: Float[np.ndarray, "n 3"], *, nonfinite: Nonfinite = "rai
         nonfinite: what to do with points that are NaN or infinite: `"raise"` an error, or `"drop"` them.
 
     Raises:
-        SymjaxError: no correspondences were found; the subclass and the message say why.
+        SymjaxError: if no correspondences were found; the subclass and the message say why.
     """
     method = SymHKS()
     cloud = prepare(points, nonfinite=nonfinite, drop_outliers=method.drops_outliers)
@@ -66,9 +66,9 @@ def given_pairs(
         nonfinite: what to do with pairs that are NaN or infinite: `"raise"` an error, or `"drop"` them.
 
     Raises:
-        NonfiniteError: a pair is NaN or infinite, with `nonfinite="raise"`.
-        TooFewPointsError: there are fewer than three pairs.
-        DegenerateCloudError: all points coincide.
+        NonfiniteError: if a pair is NaN or infinite, with `nonfinite="raise"`.
+        TooFewPointsError: if there are fewer than three pairs.
+        DegenerateCloudError: if all points coincide.
     """
     notes: list[str] = []
     rows = finite_rows(np.concatenate([x, y], axis=1), nonfinite, notes, noun="pairs")

@@ -77,7 +77,7 @@ def scale_sweep(
         advance: function called with the number of σ done and the number of all σ.
 
     Raises:
-        SymjaxError: the pairs or the options are invalid, see `symjax.sweep`.
+        SymjaxError: if the pairs or the options are invalid, see `symjax.sweep`.
     """
     sigmas = np.asarray(fractions, float) * pairs.diagonal
     if options.start in NORMALS:

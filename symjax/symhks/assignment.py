@@ -43,7 +43,7 @@ def sign_penalty_cost(
         The symmetric matrix of costs.
 
     Raises:
-        InvalidArgumentError: the shapes do not match, a signature is not finite, a sign is not ±1, or a distance
+        InvalidArgumentError: if the shapes do not match, a signature is not finite, a sign is not ±1, or a distance
             between signatures reaches the penalty.
     """
     h, s = np.asarray(signatures, float), np.asarray(signs, float)
@@ -89,9 +89,9 @@ def assign_pairs(
         The pairs, in order of their cost.
 
     Raises:
-        InvalidArgumentError: `cost` is not square or not symmetric, or contains NaN or −infinity; `num_pairs` < 1;
+        InvalidArgumentError: if `cost` is not square or not symmetric, or contains NaN or −infinity; `num_pairs` < 1;
             `penalty` is not positive; or there are too many points for `symmetric`.
-        MatchingError: the allowed entries contain fewer than 2q matches (see `possible_pairs`).
+        MatchingError: if the allowed entries contain fewer than 2q matches (see `possible_pairs`).
     """
     allowed = _allowed_cost(cost, penalty)
     num_pairs = whole("num_pairs", num_pairs, 1)
@@ -114,7 +114,7 @@ def check_symmetric(num_points: int) -> None:
     """Checks that there are not too many points for the symmetric program.
 
     Raises:
-        InvalidArgumentError: there are more than `MAX_SYMMETRIC_POINTS`.
+        InvalidArgumentError: if there are more than `MAX_SYMMETRIC_POINTS`.
     """
     if num_points > MAX_SYMMETRIC_POINTS:
         raise InvalidArgumentError(
@@ -127,7 +127,7 @@ def possible_pairs(cost: Float[np.ndarray, "a a"], *, penalty: float = SIGN_PENA
     """Returns the largest `num_pairs` that `assign_pairs` accepts; only an upper bound if `symmetric`.
 
     Raises:
-        InvalidArgumentError: the cost or the penalty is invalid, see `assign_pairs`.
+        InvalidArgumentError: if the cost or the penalty is invalid, see `assign_pairs`.
     """
     return _num_matches(_allowed_cost(cost, penalty)) // 2
 

@@ -114,9 +114,9 @@ def correspondences(
         The pairs, in order of their cost.
 
     Raises:
-        InvalidArgumentError: there are too few points for the number of eigenfunctions.
-        SpectrumError: the eigenpairs could not be computed.
-        MatchingError: fewer than three pairs were found.
+        InvalidArgumentError: if there are too few points for the number of eigenfunctions.
+        SpectrumError: if the eigenpairs could not be computed.
+        MatchingError: if fewer than three pairs were found.
     """
     options = CorrespondenceOptions() if options is None else options
     timer = StageTimer() if timer is None else timer

@@ -108,8 +108,8 @@ class SymHKS(CorrespondenceOptions):
             The distinct optima as candidates, with their scores, and the pairs.
 
         Raises:
-            SpectrumError: the eigenpairs could not be computed.
-            MatchingError: fewer than three pairs were found.
+            SpectrumError: if the eigenpairs could not be computed.
+            MatchingError: if fewer than three pairs were found.
         """
         # JAX is imported only now, when it is needed
         from symjax.symhks.plane_fit import fit_candidates

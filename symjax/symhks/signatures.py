@@ -37,7 +37,7 @@ def diffusion_times(
         The times, in squared units of the points, ascending.
 
     Raises:
-        InvalidArgumentError: the scale is unknown, or no eigenvalue is positive.
+        InvalidArgumentError: if the scale is unknown, or no eigenvalue is positive.
     """
     num_times = whole("num_times", num_times, 1)
     choice("the time scale", scale, get_args(TimeScale))

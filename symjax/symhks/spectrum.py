@@ -134,7 +134,7 @@ def star_laplacian(
         L, dimensionless, and the mass of every point, in squared units of the points.
 
     Raises:
-        SpectrumError: the library cannot build the Laplacian of the stars.
+        SpectrumError: if the library cannot build the Laplacian of the stars.
     """
     count = min(num_neighbours, len(points) - 1)
     neighbours = cKDTree(points).query(points, k=count + 1)[1]
@@ -197,8 +197,8 @@ def spectrum(
         The eigenpairs and the mass.
 
     Raises:
-        InvalidArgumentError: `num_eigs` is not in 1 … n − 2.
-        SpectrumError: the Laplacian could not be built, or the eigensolver does not converge, even at a larger shift.
+        InvalidArgumentError: if `num_eigs` is not in 1 … n − 2.
+        SpectrumError: if the Laplacian cannot be built, or the eigensolver does not converge, even at a larger shift.
     """
     if not 1 <= num_eigs < len(points) - 1:
         raise InvalidArgumentError(

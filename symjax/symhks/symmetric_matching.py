@@ -41,7 +41,7 @@ def least_matching(cost: Float[np.ndarray, "a a"], num_pairs: int) -> Int[np.nda
         The edges; their total cost is optimal up to 1e-8 of the range of the finite costs.
 
     Raises:
-        MatchingError: there are no q disjoint edges, or the solver failed.
+        MatchingError: if there are no q disjoint edges, or the solver failed.
     """
     i, j = np.nonzero(np.triu(np.isfinite(cost), 1))
     if not len(i):

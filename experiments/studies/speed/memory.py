@@ -45,7 +45,7 @@ def peak_memory(points: Float[np.ndarray, "n 3"], method: str) -> Peak:
     """Measures the peak memory of the detection of a cloud in a process of its own.
 
     Raises:
-        RuntimeError: If the process fails; the message has its stderr.
+        RuntimeError: if the process fails; the message has its stderr.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cloud.npy"
