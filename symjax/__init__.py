@@ -27,19 +27,26 @@ if TYPE_CHECKING:
     from symjax.l2e.standard_errors import StandardErrors, standard_errors
     from symjax.l2e.sweep import sweep, sweep_clouds
     from symjax.method.protocol import Method
-    from symjax.method.result import MethodResult
+    from symjax.method.result import Candidate, MethodResult
+    from symjax.method.stage_timer import StageTimer
+    from symjax.preprocess.cloud import Cloud
     from symjax.robust.method import Robust
+    from symjax.robust.verification.classification import FoundThresholds
     from symjax.symhks.method import SymHKS
 
 __version__ = "0.2.0"
 
 _HOME = {
+    "Candidate": "symjax.method.result",
+    "Cloud": "symjax.preprocess.cloud",
     "Detection": "symjax.detection.result",
     "Fit": "symjax.l2e.fit",
+    "FoundThresholds": "symjax.robust.verification.classification",
     "Method": "symjax.method.protocol",
     "MethodResult": "symjax.method.result",
     "Plane": "symjax.geometry.plane",
     "Robust": "symjax.robust.method",
+    "StageTimer": "symjax.method.stage_timer",
     "StandardErrors": "symjax.l2e.standard_errors",
     "SymHKS": "symjax.symhks.method",
     "best": "symjax.l2e.fit",
@@ -57,12 +64,16 @@ _HOME = {
 _MODULES = {"datasets": "symjax.datasets", "metrics": "symjax.geometry.distance"}
 
 __all__ = [
+    "Candidate",
+    "Cloud",
     "Detection",
     "Fit",
+    "FoundThresholds",
     "Method",
     "MethodResult",
     "Plane",
     "Robust",
+    "StageTimer",
     "StandardErrors",
     "SymHKS",
     "SymjaxError",

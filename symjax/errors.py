@@ -57,11 +57,19 @@ class SymjaxWarning(UserWarning):
     """Base class of all warnings. The result is valid, but the input should be checked.
 
     Example:
-        Turn the warnings of symjax into errors:
+        Turn the warnings of symjax into errors, here because every point is there twice:
 
         >>> import warnings
+        >>> import numpy as np
+        >>> import symjax
+        >>> points = np.repeat(np.random.default_rng(0).normal(size=(100, 3)), 2, axis=0)
         >>> with warnings.catch_warnings():
-        ...     warnings.simplefilter("error", SymjaxWarning)
+        ...     warnings.simplefilter("error", symjax.SymjaxWarning)
+        ...     try:
+        ...         symjax.detect(points)
+        ...     except symjax.SymjaxWarning as warning:
+        ...         print(warning)
+        100 of 200 points coincide with others and were merged
     """
 
 

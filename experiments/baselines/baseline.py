@@ -77,7 +77,7 @@ class Baseline(ABC):
 def given_points(cloud: Cloud) -> Float[np.ndarray, "n 3"]:
     """Returns the points of a cloud in the pose and the order in which the user passed them.
 
-    A baseline must not see the cloud's own frame: there the mirror plane's normal is often along an axis, which favours
+    A baseline must not see the cloud frame: there the mirror plane's normal is often along an axis, which favours
     methods that use a grid or fixed directions.
     """
     return np.asarray(cloud.to_given.points(cloud.points))[np.argsort(cloud.rows)]

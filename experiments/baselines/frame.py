@@ -15,7 +15,7 @@ class Frame(NamedTuple):
 
     Attributes:
         points: points that were kept.
-        to_given: similarity from this frame to that of the given points.
+        to_given: similarity from this frame to that of the input points.
     """
 
     points: Float[np.ndarray, "m 3"]
@@ -27,7 +27,7 @@ class Frame(NamedTuple):
         offsets: Float[np.ndarray, " k"],
         scores: Float[np.ndarray, " k"],
     ) -> Ranking:
-        """Sorts planes of this frame by falling score, and returns them in the frame and units of the given points."""
+        """Sorts planes of this frame by falling score, and returns them in the frame and units of the input points."""
         order = np.argsort(-np.asarray(scores), kind="stable")
         plane = self.to_given.plane(Plane(normals[order], offsets[order])).canonical()
         return Ranking(np.asarray(plane.normal), np.asarray(plane.offset), np.asarray(scores)[order])

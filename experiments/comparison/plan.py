@@ -19,6 +19,9 @@ from experiments.framework.tables import Row
 RESULTS = "arena.jsonl"
 """Name of the file of results in the folder of the tables."""
 
+FORMER_NAMES = {"held": "accepted"}
+"""Present names of the columns that stored results of earlier versions name otherwise."""
+
 METHODS = ",".join(ENTRIES)
 
 OUTLIERS = "clean,out20,out40,out60,out80,out100,out120"
@@ -145,7 +148,7 @@ def rows_of(results: Sequence[Result]) -> list[Row]:
 
 def _row(result: Result, about: Mapping[tuple[Any, ...], Row]) -> Row:
     if result.status == "ok":
-        return {**result.task, **result.row}
+        return {**result.task, **{FORMER_NAMES.get(name, name): value for name, value in result.row.items()}}
     ended = {"seconds": result.seconds, "raised": f"{result.status}: {result.failure}"}
     return {**result.task, **about.get(_object(result), UNKNOWN), **evaluate.NO_ANSWER, **ended}
 

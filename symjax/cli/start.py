@@ -22,8 +22,8 @@ def start_jax(*, cache: bool, all_cores: bool = False) -> None:
     if cache:
         try:
             enable_compilation_cache()
-        except OSError as error:
-            raise InvalidArgumentError(f"cannot cache compiled programs (--cache): {error}") from error
+        except InvalidArgumentError as error:
+            raise InvalidArgumentError(f"cannot cache compiled programs (--cache): {error.__cause__}") from error
 
 
 def _use_all_cores() -> None:

@@ -8,9 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
 
 from symjax.datasets.scanner import scan
-from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import flag, number
+from symjax.geometry.point_arrays import as_finite_points
+from symjax.geometry.seeds import Seed, seeded
 
 
 class Corrupted(NamedTuple):
@@ -33,13 +36,11 @@ class Corrupted(NamedTuple):
     source: Int[np.ndarray, " m"]
 
 
-def add_outliers(
-    points: Float[np.ndarray, "n 3"], alpha: float, rng: int | np.random.Generator = 0
-) -> Float[np.ndarray, "m 3"]:
+def add_outliers(points: ArrayLike, alpha: float, rng: Seed = 0) -> Float[np.ndarray, "m 3"]:
     """Appends `int(alpha * n)` outliers, distributed uniformly in the axis-aligned bounding box of the points.
 
     Args:
-        points: a cloud.
+        points: a cloud, of shape (n, 3).
         alpha: number of outliers per point, the paper's α.
         rng: seed or generator of the outliers.
 
@@ -47,7 +48,8 @@ def add_outliers(
         The points in their order, followed by the outliers.
 
     Raises:
-        InvalidArgumentError: if alpha is negative.
+        InvalidPointsError: if `points` is not an (n, 3) array of finite real numbers, or is empty.
+        InvalidArgumentError: if alpha is not a number, at least 0, or `rng` is not a valid seed.
 
     Example:
         >>> import numpy as np
@@ -55,20 +57,18 @@ def add_outliers(
         >>> symjax.datasets.add_outliers(np.eye(3), 2.0).shape
         (9, 3)
     """
-    if not alpha >= 0:
-        raise InvalidArgumentError(f"alpha must not be negative, got {alpha}: pass the number of outliers per point")
-    rng = np.random.default_rng(rng)
-    outliers = rng.uniform(points.min(axis=0), points.max(axis=0), (int(alpha * len(points)), 3))
-    return np.vstack([points, outliers])
+    cloud, alpha = as_finite_points(points), number("alpha", alpha, least=0)
+    outliers = seeded(rng).generator.uniform(cloud.min(axis=0), cloud.max(axis=0), (int(alpha * len(cloud)), 3))
+    return np.vstack([cloud, outliers])
 
 
 def remove_part(
-    points: Float[np.ndarray, "n 3"], gamma: float, rng: int | np.random.Generator = 0
+    points: ArrayLike, gamma: float, rng: Seed = 0
 ) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, " m"]]:
     """Removes the `int(gamma * n)` points that are nearest to a randomly chosen point of the cloud.
 
     Args:
-        points: a cloud.
+        points: a cloud, of shape (n, 3).
         gamma: fraction of the points to remove, the paper's γ; at least 0 and below 1.
         rng: seed or generator of the chosen point.
 
@@ -76,7 +76,8 @@ def remove_part(
         The remaining points, and their indices in `points`, ascending.
 
     Raises:
-        InvalidArgumentError: if gamma is not in [0, 1).
+        InvalidPointsError: if `points` is not an (n, 3) array of finite real numbers, or is empty.
+        InvalidArgumentError: if gamma is not in [0, 1), or `rng` is not a valid seed.
 
     Example:
         >>> import numpy as np
@@ -86,26 +87,24 @@ def remove_part(
         >>> kept
         array([0, 1, 2, 3, 4, 5])
     """
-    if not 0 <= gamma < 1:
-        raise InvalidArgumentError(f"gamma must be in [0, 1), got {gamma}: pass the fraction of the points to remove")
-    rng = np.random.default_rng(rng)
-    centre = points[rng.integers(len(points))]
-    distance = np.linalg.norm(points - centre, axis=1)
-    kept = np.sort(np.argsort(distance, kind="stable")[int(gamma * len(points)) :])
-    return points[kept], kept
+    cloud, gamma = as_finite_points(points), number("gamma", gamma, least=0, below=1)
+    centre = cloud[seeded(rng).generator.integers(len(cloud))]
+    distance = np.linalg.norm(cloud - centre, axis=1)
+    kept = np.sort(np.argsort(distance, kind="stable")[int(gamma * len(cloud)) :])
+    return cloud[kept], kept
 
 
 def add_noise(
-    points: Float[np.ndarray, "n 3"],
+    points: ArrayLike,
     level: float,
-    rng: int | np.random.Generator = 0,
+    rng: Seed = 0,
     *,
     diagonal: float | None = None,
 ) -> Float[np.ndarray, "n 3"]:
     """Adds independent Gaussian noise of standard deviation `level * diagonal` to every coordinate.
 
     Args:
-        points: a cloud.
+        points: a cloud, of shape (n, 3).
         level: standard deviation of the noise as a fraction of the diagonal.
         rng: seed or generator of the noise.
         diagonal: length that `level` refers to, in the units of the points; by default, the diagonal of the
@@ -115,7 +114,8 @@ def add_noise(
         The displaced points, in the order of `points`.
 
     Raises:
-        InvalidArgumentError: if the level is negative.
+        InvalidPointsError: if `points` is not an (n, 3) array of finite real numbers, or is empty.
+        InvalidArgumentError: if the level or the diagonal is not a number, at least 0, or `rng` is not a valid seed.
 
     Example:
         >>> import numpy as np
@@ -124,17 +124,14 @@ def add_noise(
         >>> print(f"{noisy.std():.3f}")
         0.020
     """
-    if not level >= 0:
-        raise InvalidArgumentError(f"the noise level must not be negative, got {level}")
-    rng = np.random.default_rng(rng)
-    if diagonal is None:
-        diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return points + rng.normal(scale=level * diagonal, size=points.shape)
+    cloud, level = as_finite_points(points), number("level", level, least=0)
+    deviation = level * _length(cloud, diagonal)
+    return cloud + seeded(rng).generator.normal(scale=deviation, size=cloud.shape)
 
 
 def corrupt(
-    points: Float[np.ndarray, "n 3"],
-    rng: int | np.random.Generator = 0,
+    points: ArrayLike,
+    rng: Seed = 0,
     *,
     outliers: float = 0.0,
     missing: float = 0.0,
@@ -147,7 +144,7 @@ def corrupt(
     The corruptions are applied in this order: a scan from one side, a missing part, noise, outliers.
 
     Args:
-        points: a posed cloud (see `symjax.datasets.pose`).
+        points: a posed cloud, of shape (n, 3) (see `symjax.datasets.pose`).
         rng: seed or generator of all corruptions.
         outliers: number of outliers per remaining point, the paper's α.
         missing: fraction of the points to remove as one part, the paper's γ.
@@ -160,7 +157,8 @@ def corrupt(
         The corrupted points, and the index of each in `points`.
 
     Raises:
-        InvalidArgumentError: if `outliers` or `noise` is negative, or `missing` is not in [0, 1).
+        InvalidPointsError: if `points` is not an (n, 3) array of finite real numbers, or is empty.
+        InvalidArgumentError: if an option has a wrong type or is out of its range, or `rng` is not a valid seed.
         TooFewPointsError: if `one_sided` is set and there are fewer than four points.
 
     Example:
@@ -170,18 +168,26 @@ def corrupt(
         >>> corrupted.points.shape  # 800 points remain; 400 outliers are added
         (1200, 3)
     """
-    rng = np.random.default_rng(rng)
-    if diagonal is None:
-        diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    source = np.arange(len(points))
-    if one_sided:
-        points, kept = scan(points, rng)
+    cloud, generator = as_finite_points(points), seeded(rng).generator
+    missing = number("missing", missing, least=0, below=1)
+    noise, outliers = number("noise", noise, least=0), number("outliers", outliers, least=0)
+    diagonal = _length(cloud, diagonal)
+    source = np.arange(len(cloud))
+    if flag("one_sided", one_sided):
+        cloud, kept = scan(cloud, generator)
         source = source[kept]
     if missing:
-        points, kept = remove_part(points, missing, rng)
+        cloud, kept = remove_part(cloud, missing, generator)
         source = source[kept]
-    points = add_noise(points, noise, rng, diagonal=diagonal)
-    points = add_outliers(points, outliers, rng)
-    source = np.concatenate([source, np.full(len(points) - len(source), -1)])
-    order = rng.permutation(len(points))
-    return Corrupted(points[order], source[order])
+    cloud = add_noise(cloud, noise, generator, diagonal=diagonal)
+    cloud = add_outliers(cloud, outliers, generator)
+    source = np.concatenate([source, np.full(len(cloud) - len(source), -1)])
+    order = generator.permutation(len(cloud))
+    return Corrupted(cloud[order], source[order])
+
+
+def _length(points: Float[np.ndarray, "n 3"], diagonal: float | None) -> float:
+    """Returns the given diagonal, or that of the axis-aligned bounding box of the points."""
+    if diagonal is None:
+        return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return number("diagonal", diagonal, least=0)

@@ -9,8 +9,8 @@ from symjax.datasets.sample import Sample, Symmetry
 from symjax.datasets.solids import animals, asymmetric, furniture, household, people, regular, vehicles
 from symjax.datasets.solids.solid import Solid
 from symjax.datasets.solids.surface import sample_surface
-from symjax.errors import InvalidArgumentError
-from symjax.geometry.checks import choice
+from symjax.geometry.checks import choice, whole
+from symjax.geometry.seeds import Seed, seeded
 
 Build = Callable[[np.random.Generator], Solid]
 
@@ -94,7 +94,7 @@ KINDS: dict[str, Kind] = {
 """All kinds, by name."""
 
 
-def build(kind: str, rng: int | np.random.Generator = 0) -> Solid:
+def build(kind: str, rng: Seed = 0) -> Solid:
     """Builds the solid whose surface `generate` samples for the same seed.
 
     Args:
@@ -105,7 +105,7 @@ def build(kind: str, rng: int | np.random.Generator = 0) -> Solid:
         The solid, in its own frame.
 
     Raises:
-        InvalidArgumentError: if the kind is unknown.
+        InvalidArgumentError: if the kind is unknown, or `rng` is not a valid seed.
 
     Example:
         >>> import numpy as np
@@ -115,10 +115,10 @@ def build(kind: str, rng: int | np.random.Generator = 0) -> Solid:
         array([ True])
     """
     choice("kind", kind, KINDS)
-    return KINDS[kind].build(np.random.default_rng(rng))
+    return KINDS[kind].build(seeded(rng).generator)
 
 
-def generate(kind: str, *, num_points: int = 5000, rng: int | np.random.Generator = 0) -> Sample:
+def generate(kind: str, *, num_points: int = 5000, rng: Seed = 0) -> Sample:
     """Generates a random object of a kind and samples its surface.
 
     The object is in its own frame: its mirror plane, if it has exactly one, is x = 0; z points up; its size is about 1.
@@ -134,7 +134,8 @@ def generate(kind: str, *, num_points: int = 5000, rng: int | np.random.Generato
         The points, and the mirror planes of the object.
 
     Raises:
-        InvalidArgumentError: if the kind is unknown, or `num_points` is below 1.
+        InvalidArgumentError: if the kind is unknown, `num_points` is not a whole number, at least 1, or `rng` is not a
+            valid seed.
 
     Example:
         >>> import symjax
@@ -142,9 +143,8 @@ def generate(kind: str, *, num_points: int = 5000, rng: int | np.random.Generato
         >>> sample.points.shape, len(sample.planes)
         ((500, 3), 9)
     """
-    if num_points < 1:
-        raise InvalidArgumentError(f"num_points must be at least 1, got {num_points}")
-    rng = np.random.default_rng(rng)
-    solid = build(kind, rng)
-    points = sample_surface(solid.field, num_points, rng)
+    num_points = whole("num_points", num_points, 1)
+    generator = seeded(rng).generator
+    solid = build(kind, generator)
+    points = sample_surface(solid.field, num_points, generator)
     return Sample(points, solid.normals, solid.offsets, solid.axis, kind, KINDS[kind].symmetry)

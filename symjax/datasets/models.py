@@ -8,9 +8,9 @@ from jaxtyping import Float
 
 from symjax.datasets.download import fetch
 from symjax.datasets.registry import MODELS
-from symjax.errors import InvalidArgumentError
-from symjax.geometry.checks import choice
+from symjax.geometry.checks import choice, whole
 from symjax.geometry.plane import Plane
+from symjax.geometry.seeds import Seed, seeded
 from symjax.io import mesh
 from symjax.io.points import MESHES, NUM_SAMPLES, read_points
 
@@ -28,9 +28,14 @@ class Model(NamedTuple):
         path: the published file, in the cache folder.
 
     Example:
+        `load` returns a model. What is known about it can be read before the download:
+
         >>> import symjax
-        >>> symjax.datasets.Model._fields
-        ('points', 'surface', 'plane', 'symmetry', 'licence', 'attribution', 'path')
+        >>> spot = symjax.datasets.MODELS["spot"]
+        >>> spot.symmetry, spot.licence
+        ('exact', 'public domain')
+        >>> spot.plane.normal
+        array([1., 0., 0.])
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -42,7 +47,7 @@ class Model(NamedTuple):
     path: Path
 
 
-def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Generator = 0) -> Model:
+def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: Seed = 0) -> Model:
     """Loads a real model. The first call downloads it; later calls read it from the user's cache folder.
 
     Needs pooch (the extra `datasets`). The plane is known for one version of each file, so a file with another
@@ -57,7 +62,8 @@ def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Gene
         The model, with its mirror plane if that is known.
 
     Raises:
-        InvalidArgumentError: if the model is unknown, `num_samples` is below 1, or pooch is not installed.
+        InvalidArgumentError: if the model is unknown, `num_samples` is not a whole number, at least 1, `rng` is not a
+            valid seed, or pooch is not installed.
         FileFormatError: if the file cannot be downloaded or stored, or differs from the published one.
 
     Example:
@@ -69,13 +75,13 @@ def load(name: str, *, num_samples: int = NUM_SAMPLES, rng: int | np.random.Gene
         symjax.errors.InvalidArgumentError: model 'unicorn' is unknown: choose one of boat, boot, ...
     """
     choice("model", name, MODELS)
-    if num_samples < 1:
-        raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
+    num_samples = whole("num_samples", num_samples, 1)
+    generator = seeded(rng).generator
     original = MODELS[name]
     path = fetch(name, original)
     surface = _surface(path)
     is_mesh = len(surface.triangles) > 0
-    points = mesh.sample(surface, num_samples, np.random.default_rng(rng)) if is_mesh else surface.vertices.copy()
+    points = mesh.sample(surface, num_samples, generator) if is_mesh else surface.vertices.copy()
     return Model(points, surface, original.plane, original.symmetry, original.licence, original.attribution, path)
 
 

@@ -69,6 +69,11 @@ def planted_pairs(
 
     Raises:
         InvalidArgumentError: if the blob is unknown, or `outliers` is not in [0, 1].
+
+    Example:
+        >>> pairs = planted_pairs(np.random.default_rng(0), 100, 0.3)
+        >>> pairs.x.shape, int(pairs.inlier.sum())
+        ((100, 3), 70)
     """
     choice("blob", blob, SEMI_AXES)
     if not 0 <= outliers <= 1:

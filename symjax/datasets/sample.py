@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from symjax.datasets.solids.solid import Axis
-from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import flag, number
 from symjax.geometry.plane import Plane
+from symjax.geometry.seeds import Seed, seeded
 from symjax.geometry.similarity import Similarity
 
 Symmetry = Literal["single", "multiple", "continuous", "none"]
@@ -52,7 +53,7 @@ class Sample(NamedTuple):
 
 def pose(
     sample: Sample,
-    rng: int | np.random.Generator = 0,
+    rng: Seed = 0,
     *,
     scale: float = 1.0,
     shift: float = 1.0,
@@ -73,7 +74,8 @@ def pose(
         The posed sample.
 
     Raises:
-        InvalidArgumentError: if the scale is not positive and finite.
+        InvalidArgumentError: if an option has a wrong type, the scale is not positive and finite, or `rng` is not a
+            valid seed.
 
     Example:
         >>> import symjax
@@ -84,11 +86,12 @@ def pose(
         >>> print(f"{max(abs(after - 2 * before)):.6f}")
         0.000000
     """
-    if not 0 < scale < np.inf:
-        raise InvalidArgumentError(f"scale must be positive and finite, got {scale}")
-    rng = np.random.default_rng(rng)
-    turn = random_orthogonal(rng, reflect=reflect)
-    move = rng.normal(size=3) * shift * sample.diagonal * scale
+    scale, shift = number("scale", scale, above=0), number("shift", shift)
+    if reflect is not None:
+        flag("reflect", reflect)
+    generator = seeded(rng).generator
+    turn = random_orthogonal(generator, reflect=reflect)
+    move = generator.normal(size=3) * shift * sample.diagonal * scale
     posed = Similarity(scale, turn, move)
     points = np.asarray(posed.points(sample.points))
     normals, offsets = map(np.asarray, posed.plane(Plane(sample.normals, sample.offsets)))

@@ -7,12 +7,15 @@ flipped images lie on the convex hull of all flipped points and the viewpoint.
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import ConvexHull
+from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull, QhullError
 
-from symjax.errors import InvalidArgumentError, TooFewPointsError
+from symjax.errors import DegenerateCloudError, InvalidArgumentError, TooFewPointsError
+from symjax.geometry.point_arrays import as_finite_points
+from symjax.geometry.seeds import Seed, seeded
 
 DISTANCE = 2.0
-"""Distance of a random viewpoint from the centroid, in diagonals of the cloud."""
+"""Distance of a random viewpoint from the mean of the points, in diagonals of the cloud."""
 
 FLIP_RADIUS = 10**2.5
 """Radius of the sphere divided by the largest distance from the viewpoint. A larger radius keeps more hidden points;
@@ -20,24 +23,26 @@ a smaller one drops more visible points."""
 
 
 def scan(
-    points: Float[np.ndarray, "n 3"],
-    rng: int | np.random.Generator = 0,
+    points: ArrayLike,
+    rng: Seed = 0,
     *,
-    viewpoint: Float[np.ndarray, " 3"] | None = None,
+    viewpoint: ArrayLike | None = None,
 ) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, " m"]]:
     """Selects the points that are visible from one viewpoint, by hidden point removal.
 
     Args:
-        points: a cloud.
+        points: a cloud, of shape (n, 3).
         rng: seed or generator of the viewpoint; not used if `viewpoint` is given.
-        viewpoint: position of the scanner; by default, a random point two diagonals from the centroid.
+        viewpoint: position of the scanner, three coordinates; by default, a random point two diagonals from the mean.
 
     Returns:
         The visible points, and their indices in `points`, ascending.
 
     Raises:
+        InvalidPointsError: if `points` is not an (n, 3) array of finite real numbers.
         TooFewPointsError: if there are fewer than four points.
-        InvalidArgumentError: if the viewpoint is one of the points.
+        InvalidArgumentError: if the viewpoint is one of the points or is not a position, or `rng` is not a valid seed.
+        DegenerateCloudError: if the points and the viewpoint lie in one plane.
 
     Example:
         >>> import numpy as np
@@ -47,17 +52,33 @@ def scan(
         >>> print(f"mean height: {abs(ball[:, 2].mean()):.1f} of all points, {visible[:, 2].mean():.1f} of the visible")
         mean height: 0.0 of all points, 0.2 of the visible
     """
+    points = as_finite_points(points)
     if len(points) < 4:
         raise TooFewPointsError(f"a scan needs at least 4 points, got {len(points)}")
     if viewpoint is None:
-        direction = np.random.default_rng(rng).normal(size=3)
+        direction = seeded(rng).generator.normal(size=3)
         diagonal = np.linalg.norm(np.ptp(points, axis=0))
-        viewpoint = points.mean(axis=0) + DISTANCE * diagonal * direction / np.linalg.norm(direction)
-    ray = points - viewpoint
+        eye = points.mean(axis=0) + DISTANCE * diagonal * direction / np.linalg.norm(direction)
+    else:
+        eye = _position(viewpoint)
+    ray = points - eye
     distance = np.linalg.norm(ray, axis=1, keepdims=True)
     if distance.min() == 0:
         raise InvalidArgumentError(f"the viewpoint coincides with point {int(distance.argmin())}: choose another")
     flipped = ray + 2 * (FLIP_RADIUS * distance.max() - distance) * ray / distance
-    hull = ConvexHull(np.vstack([flipped, np.zeros(3)]))
+    try:
+        hull = ConvexHull(np.vstack([flipped, np.zeros(3)]))
+    except QhullError as error:
+        raise DegenerateCloudError("the points and the viewpoint lie in one plane: choose another viewpoint") from error
     seen = np.sort(hull.vertices[hull.vertices < len(points)])
     return points[seen], seen
+
+
+def _position(viewpoint: ArrayLike) -> Float[np.ndarray, " 3"]:
+    try:
+        position = np.asarray(viewpoint, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidArgumentError(f"the viewpoint must be three numbers, not {viewpoint!r}") from error
+    if position.shape != (3,) or not np.isfinite(position).all():
+        raise InvalidArgumentError(f"the viewpoint must be three finite numbers, not {viewpoint!r}")
+    return position

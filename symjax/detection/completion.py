@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from symjax.geometry.plane import Plane
 
 NEAR = 3.0
-"""A point belongs to the object if it is within this many spacings of a used point."""
+"""A point belongs to the object if it is within this many times the median nearest-neighbour distance of a used point."""
 
 
 def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] | None) -> Bool[np.ndarray, " n"]:
@@ -24,8 +24,8 @@ def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] 
     if used is None:
         return finite
     surface = cKDTree(used)
-    spacing = np.median(surface.query(surface.data, k=2)[0][:, 1])
-    finite[finite] = surface.query(points[finite], workers=-1)[0] <= NEAR * spacing
+    typical = np.median(surface.query(surface.data, k=2)[0][:, 1])
+    finite[finite] = surface.query(points[finite], workers=-1)[0] <= NEAR * typical
     return finite
 
 

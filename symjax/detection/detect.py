@@ -12,12 +12,13 @@ from symjax.detection.methods import METHODS, NAMED
 from symjax.detection.result import Detection, Pairs
 from symjax.errors import InvalidArgumentError, MethodError
 from symjax.geometry.checks import choice, whole
+from symjax.geometry.point_arrays import as_points
+from symjax.geometry.seeds import Seed, seeded
 from symjax.io.points import read_points
 from symjax.method.protocol import Method
 from symjax.method.result import MethodResult
 from symjax.method.stage_timer import StageTimer
 from symjax.preprocess.cloud import MAX_POINTS, Cloud, prepare
-from symjax.preprocess.validation import as_points
 
 MAX_PLANES = 9
 """Default limit on the candidates: a cube has nine mirror planes."""
@@ -28,7 +29,7 @@ def detect(
     method: str | Method = "robust",
     *,
     normals: ArrayLike | None = None,
-    rng: int | np.integer | np.random.Generator = 0,
+    rng: Seed = 0,
     nonfinite: Literal["raise", "drop"] = "raise",
     max_points: int = MAX_POINTS,
     drop_outliers: bool | None = None,
@@ -75,7 +76,7 @@ def detect(
     """
     chosen = method_of(method)
     max_planes = whole("max_planes", max_planes, 1)
-    seed, generator = _seeded(rng)
+    seed, generator = seeded(rng)
     timer = StageTimer(progress)
     reading: tuple[str, ...] = ()
     if isinstance(points, (str, os.PathLike)):
@@ -114,15 +115,6 @@ def method_of(method: str | Method) -> Method:
             f"method must be one of {', '.join(METHODS)}, or a Method such as symjax.Robust(), got {method!r}"
         )
     return method
-
-
-def _seeded(rng: int | np.integer | np.random.Generator) -> tuple[int | None, np.random.Generator]:
-    """Returns the seed (None if a generator was passed) and the generator."""
-    if isinstance(rng, np.random.Generator):
-        return None, rng
-    if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and rng >= 0:
-        return int(rng), np.random.default_rng(int(rng))
-    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, got {rng!r}")
 
 
 def _in_given_units(

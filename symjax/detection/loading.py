@@ -2,7 +2,6 @@
 
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike
 from symjax.detection.result import Detection, Pairs
 from symjax.detection.serialisation import FORMAT
 from symjax.errors import FileFormatError
+from symjax.geometry.checks import as_path
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.method.result import Axis, Candidate
@@ -45,7 +45,7 @@ def load(path: str | os.PathLike[str], *, points: ArrayLike | None = None) -> De
         (1200, 3)
     """
     try:
-        values = json.loads(Path(path).read_text(encoding="utf-8"))
+        values = json.loads(as_path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise FileFormatError(f"cannot read {path}: {error.strerror}") from error
     except ValueError as error:

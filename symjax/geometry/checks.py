@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from symjax.errors import InvalidArgumentError
@@ -75,6 +76,18 @@ def choice(name: str, value: Any, known: Iterable[str]) -> None:
     words = list(known)
     if not isinstance(value, str) or value not in words:
         raise InvalidArgumentError(f"{name} {value!r} is unknown: choose one of {', '.join(words)}")
+
+
+def as_path(value: Any) -> Path:
+    """Converts the name of a file or folder to a `Path`.
+
+    Raises:
+        InvalidArgumentError: if the value is neither text nor a path.
+    """
+    try:
+        return Path(value)
+    except TypeError as error:
+        raise InvalidArgumentError(f"a path must be text or a pathlib.Path, not {value!r}") from error
 
 
 def _python_scalar(value: Any) -> Any:

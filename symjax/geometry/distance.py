@@ -31,8 +31,8 @@ def offset_error(
     Example:
         >>> import numpy as np
         >>> from symjax.geometry.plane import Plane
-        >>> truth = Plane(np.array([0.0, 0.0, 1.0]), 1.0)
-        >>> estimate = Plane(np.array([0.0, 0.0, 1.0]), 1.5)
+        >>> truth = Plane(np.array([0.0, 0.0, 1.0]), np.array(1.0))
+        >>> estimate = Plane(np.array([0.0, 0.0, 1.0]), np.array(1.5))
         >>> print(offset_error(estimate, truth, np.zeros(3), diagonal=2.0))
         0.25
     """

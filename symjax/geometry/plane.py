@@ -19,7 +19,7 @@ class Plane(NamedTuple):
 
     Example:
         >>> import numpy as np
-        >>> plane = Plane(normal=np.array([1.0, 0.0, 0.0]), offset=2.0)
+        >>> plane = Plane(normal=np.array([1.0, 0.0, 0.0]), offset=np.array(2.0))
         >>> points = np.array([[0.0, 5.0, 1.0], [3.0, 0.0, 0.0]])
         >>> plane.signed_distance(points)
         array([-2.,  1.])
@@ -29,7 +29,7 @@ class Plane(NamedTuple):
     """
 
     normal: Float[AnyArray, "*batch 3"]
-    offset: Float[AnyArray, "*batch"] | float
+    offset: Float[AnyArray, "*batch"]
 
     def signed_distance(self, points: Float[AnyArray, "n 3"]) -> Float[AnyArray, "*batch n"]:
         """Computes v·x − ω, positive on the side that the normal points to.

@@ -11,8 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
-from symjax.errors import FileFormatError, InvalidArgumentError, InvalidPointsError
+from symjax.errors import FileFormatError, InvalidArgumentError
+from symjax.geometry.checks import as_path, whole
+from symjax.geometry.point_arrays import as_points
+from symjax.geometry.seeds import Seed, seeded
 from symjax.io import mesh, npy, text
 from symjax.io.atomic import replacing
 from symjax.io.formats import (
@@ -75,9 +79,7 @@ class PointFile(NamedTuple):
     note: str
 
 
-def read_points(
-    path: str | os.PathLike[str], *, num_samples: int = NUM_SAMPLES, rng: int | np.integer | np.random.Generator = 0
-) -> PointFile:
+def read_points(path: str | os.PathLike[str], *, num_samples: int = NUM_SAMPLES, rng: Seed = 0) -> PointFile:
     """Reads a point cloud from a file, or samples one from a mesh.
 
     Meshes in PLY, OBJ, OFF, STL and GLB are sampled uniformly by area. Clouds are read from these formats if they have
@@ -95,7 +97,7 @@ def read_points(
     Raises:
         FileFormatError: if the file is missing, unreadable, empty, damaged, or not of the format that its extension
             says, or if the format is not supported.
-        InvalidArgumentError: if `num_samples` is not positive, or `rng` is not a valid seed.
+        InvalidArgumentError: if `num_samples` is not a whole number, at least 1, or `rng` is not a valid seed.
 
     Example:
         >>> from pathlib import Path
@@ -110,15 +112,9 @@ def read_points(
         >>> note
         'cloud of 2 points'
     """
-    if num_samples < 1:
-        raise InvalidArgumentError(f"num_samples must be at least 1, got {num_samples}")
-    try:
-        generator = np.random.default_rng(rng)
-    except (TypeError, ValueError) as error:
-        raise InvalidArgumentError(
-            f"rng must be a nonnegative seed or a numpy.random.Generator, got {rng!r}"
-        ) from error
-    path = Path(path)
+    whole("num_samples", num_samples, 1)
+    generator = seeded(rng).generator
+    path = as_path(path)
     suffix = path.suffix.lower()
     try:
         _check_file(path, suffix)
@@ -181,24 +177,20 @@ def _hint(path: Path, suffix: str) -> str:
     return f"; its content looks like {found}: " + ("unpack it" if found == "ZIP" else f"rename it to .{found.lower()}")
 
 
-def write_points(path: str | os.PathLike[str], points: Float[np.ndarray, "n 3"], *, force: bool = False) -> None:
+def write_points(path: str | os.PathLike[str], points: ArrayLike, *, force: bool = False) -> None:
     """Writes a cloud as binary PLY in float64. The file appears only when it is complete.
 
     Args:
         path: file to write, with the extension .ply.
-        points: the cloud.
+        points: the cloud, of shape (n, 3).
         force: whether to replace an existing file.
 
     Raises:
         InvalidArgumentError: if the extension is not .ply, the file exists, or it cannot be written.
-        InvalidPointsError: if `points` is not an (n, 3) array of real numbers.
+        InvalidPointsError: if `points` is not an (n, 3) array of real numbers, or is empty.
     """
-    target = Path(path)
-    points = np.asarray(points)
-    if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "fiu":
-        raise InvalidPointsError(
-            f"points must be real numbers of shape (n, 3), got {points.dtype} of shape {points.shape}"
-        )
+    target = as_path(path)
+    points = as_points(points)
     if target.suffix.lower() != ".ply":
         raise InvalidArgumentError(
             f"cannot write {str(target)!r}: points are written as PLY, so the name must end in .ply"

@@ -10,6 +10,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from symjax.errors import InvalidArgumentError
+from symjax.geometry.checks import as_path
 from symjax.io.cache_folder import cache_folder
 
 P = ParamSpec("P")
@@ -84,6 +86,9 @@ def enable_compilation_cache(folder: str | Path | None = None) -> Path:
     Returns:
         The folder. It is created if necessary.
 
+    Raises:
+        InvalidArgumentError: if the folder cannot be created.
+
     Example:
         >>> import tempfile
         >>> import jax, symjax
@@ -92,8 +97,12 @@ def enable_compilation_cache(folder: str | Path | None = None) -> Path:
         True
         >>> jax.config.update("jax_compilation_cache_dir", None)  # turns the cache off again
     """
-    path = cache_folder() if folder is None else Path(folder).expanduser()
-    path.mkdir(parents=True, exist_ok=True)
+    path = cache_folder() if folder is None else as_path(folder)
+    try:
+        path = path.expanduser()
+        path.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise InvalidArgumentError(f"cannot create the folder of compiled programs, {str(path)!r}: {error}") from error
     update: Callable[[str, Any], None] = jax.config.update
     update("jax_compilation_cache_dir", str(path))
     update("jax_persistent_cache_min_compile_time_secs", 0)

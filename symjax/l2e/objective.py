@@ -1,6 +1,7 @@
 """The L2E objective of the mirror plane: its value, its closed-form gradients, and the log form that is minimised.
 
-Every function takes one plane, v of shape (3,) and a scalar ω. Use `jax.vmap` for a batch.
+Every function takes one plane, v of shape (3,) and a scalar ω. Use `jax.vmap` for a batch. Functions decorated by
+`keep_float64` return NumPy arrays if the pairs are float64 and JAX's x64 flag is off.
 """
 
 import math
@@ -13,7 +14,7 @@ from symjax.geometry.arrays import AnyArray
 from symjax.l2e.jax_config import keep_float64
 
 Vector = Float[AnyArray, " 3"]
-Scalar = Float[Array, ""]
+Scalar = Float[AnyArray, ""]
 Real = float | Scalar
 PairEnds = Float[AnyArray, "n 3"]
 
@@ -38,7 +39,7 @@ def squared_residuals(v: Vector, omega: Real, x: PairEnds, y: PairEnds) -> Float
 
 
 @keep_float64
-def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[Array, " n"]:
+def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Float[AnyArray, " n"]:
     """Computes the weights exp(−f_i/2σ²): 1 for an exact mirror pair of the plane, nearly 0 for an outlier."""
     return jnp.exp(-squared_residuals(v, omega, x, y) / (2 * sigma**2))
 
@@ -91,7 +92,8 @@ def l2e_loss(
         weights: nonnegative weights of the pairs. The mean of g is then Σ w_i g(r_i)/Σ w_i.
 
     Returns:
-        The loss, in the units of the points to the power −3.
+        The loss, in the units of the points to the power −3. It is a JAX array; or a NumPy array, in float64, if `x` or
+        `y` is float64 while JAX's x64 flag is off, as it is by default.
 
     Example:
         Exact mirror pairs of the plane z = 0 have the lowest loss there:

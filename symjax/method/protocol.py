@@ -17,16 +17,17 @@ class Method(Protocol):
         A method that always returns the plane x = 0 of the cloud frame:
 
         >>> from dataclasses import dataclass
-        >>> from symjax.geometry.plane import Plane
-        >>> from symjax.method.result import Candidate
+        >>> import symjax
         >>> @dataclass(frozen=True)
         ... class FirstAxis:
         ...     name: str = "first axis"
         ...     drops_outliers: bool = False
         ...     def find(self, cloud, *, max_planes, rng, timer):
-        ...         plane = Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))
-        ...         return MethodResult((Candidate(plane, 1.0, 1.0),), (plane,), "one plane")
-        >>> isinstance(FirstAxis(), Method)
+        ...         plane = symjax.Plane(np.array([1.0, 0.0, 0.0]), np.array(0.0))
+        ...         with timer.stage("choosing"):
+        ...             candidate = symjax.Candidate(plane, score=1.0, ranking_score=1.0)
+        ...         return symjax.MethodResult((candidate,), (plane,), "one plane")
+        >>> isinstance(FirstAxis(), symjax.Method)
         True
     """
 
@@ -50,6 +51,6 @@ class Method(Protocol):
             timer: `with timer.stage("name"):` announces and times a stage.
 
         Returns:
-            Planes and pairs in the cloud frame; `detect` converts them to the units of the given points.
+            Planes and pairs in the cloud frame; `detect` converts them to the units of the input points.
         """
         ...

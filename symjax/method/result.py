@@ -1,4 +1,4 @@
-"""The result of a method, in the cloud frame; `detect` converts it to the units of the given points."""
+"""The result of a method, in the cloud frame; `detect` converts it to the units of the input points."""
 
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, get_args
@@ -16,7 +16,7 @@ Axis = tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]
 
 
 class Candidate(NamedTuple):
-    """A plane that was refined and scored.
+    """A scored plane. The best candidates of `Robust` are refined too; those far behind the best are not.
 
     Attributes:
         plane: the plane.
@@ -24,6 +24,14 @@ class Candidate(NamedTuple):
         ranking_score: score by which candidates are ordered; a method may add further terms to `score`.
         exactness: score at the finest tolerance, 0 to 1. None if the method did not compute it; `Robust` skips it for
             planes far behind the best.
+
+    Example:
+        >>> import numpy as np
+        >>> import symjax
+        >>> plane = symjax.Plane(np.array([1.0, 0.0, 0.0]), np.array(0.0))
+        >>> candidate = symjax.Candidate(plane, score=0.9, ranking_score=0.95)
+        >>> print(candidate.exactness)
+        None
     """
 
     plane: Plane
@@ -56,7 +64,7 @@ class MethodResult:
         notes: remarks for the user, as sentences.
 
     Example:
-        >>> plane = Plane(np.array([1.0, 0.0, 0.0]), 0.0)
+        >>> plane = Plane(np.array([1.0, 0.0, 0.0]), np.array(0.0))
         >>> result = MethodResult((Candidate(plane, score=0.9, ranking_score=0.9),), (plane,), "one plane")
         >>> result.converged, len(result.rows)
         (True, 0)

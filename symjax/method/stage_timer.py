@@ -31,7 +31,11 @@ class StageTimer:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Times the `with` block under the given name."""
+        """Announces a stage, and times the `with` block.
+
+        Args:
+            name: name of the stage, the key of its duration in `seconds`.
+        """
         if self._progress is not None:
             self._progress(name)
         start = perf_counter()

@@ -1,1 +1,1 @@
-"""From given points to a cloud: checked, without outliers and ground plane, thinned, and in the cloud frame."""
+"""From input points to a cloud: checked, without outliers and ground plane, thinned, and in the cloud frame."""

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from symjax.errors import DegenerateCloudError, PrecisionWarning
 from symjax.geometry import checks
+from symjax.geometry.point_arrays import as_points
 from symjax.geometry.similarity import Similarity
 from symjax.preprocess.cloud_frame import FramedPoints, to_cloud_frame
 from symjax.preprocess.flatness import is_flat
@@ -17,7 +18,7 @@ from symjax.preprocess.layers import Layers, layered_subset
 from symjax.preprocess.outliers import outlier_mask
 from symjax.preprocess.sheet_outliers import sheet_outlier_mask
 from symjax.preprocess.thinning import distinct_rows, grid_subset, random_subset
-from symjax.preprocess.validation import MIN_POINTS, as_normals, as_points, check_num_points, finite_rows
+from symjax.preprocess.validation import MIN_POINTS, as_normals, check_num_points, finite_rows
 
 MAX_POINTS = 10_000
 """Larger clouds are thinned to this many points: 10 000 already give a plane more exactly than most objects are
@@ -37,7 +38,7 @@ class Cloud(NamedTuple):
     """Points in the cloud frame and in a canonical order, and the map back to the given coordinates.
 
     The axes of the cloud frame are the principal axes about the mean, with signs that make the third moments positive.
-    Lengths are in units of the diagonal. If the given points are rotated, reflected, shifted, scaled or permuted, the
+    Lengths are in units of the diagonal. If the input points are rotated, reflected, shifted, scaled or permuted, the
     cloud stays the same up to rounding, and so do all results. The order matters: a triangulation of overlapping
     stars, for example, depends on it.
 
@@ -53,6 +54,16 @@ class Cloud(NamedTuple):
         flat: whether the points lie in one sheet, apart from noise. The last axis of the frame is then its normal.
         layers: planes or lines on which the given points lie, in units of the diagonal; None if they do not. The points
             are then an evenly spread subset. Not looked for in flat clouds.
+
+    Example:
+        `detect` passes the cloud to the method, in which it is read like this:
+
+        >>> import symjax
+        >>> def extent(cloud: symjax.Cloud) -> np.ndarray:
+        ...     return np.ptp(cloud.points, axis=0)
+        >>> cloud = prepare(symjax.datasets.generate("block", num_points=300).points * 7)
+        >>> print(f"{np.linalg.norm(extent(cloud)):.3f} diagonals")
+        1.000 diagonals
     """
 
     points: Float[np.ndarray, "n 3"]
@@ -67,7 +78,7 @@ class Cloud(NamedTuple):
 
     @property
     def diagonal(self) -> float:
-        """Diagonal of the bounding box along the principal axes, in the units of the given points."""
+        """Diagonal of the bounding box along the principal axes, in the units of the input points."""
         return float(self.to_given.scale)
 
 
@@ -80,7 +91,7 @@ def prepare(
     drop_outliers: bool = False,
     remove_ground: bool = False,
 ) -> Cloud:
-    """Prepares given points for a method: checks, cleans, centres, scales, merges and thins them.
+    """Prepares input points for a method: checks, cleans, centres, scales, merges and thins them.
 
     Args:
         points: (n, 3) real numbers in any units and at any position.
@@ -115,7 +126,7 @@ def prepare(
     max_points = checks.whole("max_points", max_points, MIN_POINTS)
     checks.flag("drop_outliers", drop_outliers)
     checks.flag("remove_ground", remove_ground)
-    given = as_points(points)
+    given = as_points(points, least=MIN_POINTS)
     notes: list[str] = []
     index = finite_rows(given, nonfinite, notes)
     check_num_points(len(index), "points")

@@ -1,4 +1,4 @@
-"""Checks of the given points and normals."""
+"""Checks of the input points and normals."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,33 +8,6 @@ from symjax.errors import InvalidPointsError, NonfiniteError, TooFewPointsError
 
 MIN_POINTS = 50
 """Fewer points have no meaningful spectrum; pairs can still be fitted."""
-
-
-def as_points(points: ArrayLike) -> Float[np.ndarray, "n 3"]:
-    """Converts points to an (n, 3) float64 array.
-
-    Raises:
-        InvalidPointsError: if the rows differ in length, or the array has another shape or is not of real numbers.
-        TooFewPointsError: if there are no points.
-    """
-    try:
-        array = np.asarray(points)
-    except ValueError as error:
-        raise InvalidPointsError("points must be an (n, 3) array, but the rows differ in length") from error
-    if array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"points must be real numbers, got {array.dtype}: convert them to float first")
-    if array.size == 0:
-        raise TooFewPointsError(f"points is empty (shape {array.shape}): at least {MIN_POINTS} points are needed")
-    if array.ndim != 2 or array.shape[1] != 3:
-        hint = ""
-        if array.ndim == 2 and array.shape[0] == 3:
-            hint = ": transpose it (points.T)"
-        elif array.ndim == 2 and array.shape[1] > 3:
-            hint = ": pass the coordinates only (points[:, :3])"
-        elif array.ndim == 2 and array.shape[1] == 2:
-            hint = ": add a third column for the z coordinate"
-        raise InvalidPointsError(f"points must have shape (n, 3), got {array.shape}{hint}")
-    return array.astype(float)
 
 
 def check_num_points(count: int, what: str) -> None:
@@ -80,7 +53,7 @@ def as_normals(normals: ArrayLike, shape: tuple[int, ...], rows: Int[np.ndarray,
 
     Args:
         normals: one normal per given point.
-        shape: shape of the array of the given points.
+        shape: shape of the array of the input points.
         rows: rows of the points that are used.
 
     Raises:

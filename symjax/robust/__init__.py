@@ -11,7 +11,7 @@ may have been missed: beyond a boundary, or in space hidden from the viewpoint o
    `visibility` decides whether the cloud is a scan from one side and from where it was taken. `voxel_grid` stores the
    nearest surface point of every voxel around the cloud, and the non-match penalty there. The surface of a flat cloud
    is its outline with normals in its `sheet`, and all planes are upright on the sheet.
-2. Search. `hypotheses` proposes about 7 000 planes. `search` scores all of them by the voxel grid and keeps the best.
+2. Search. `hypotheses` proposes 6 000 to 7 000 planes. `search` scores them all by the voxel grid and keeps the best.
 3. Registration. `registration` moves these planes until the reflected cloud lies on the cloud: like ICP, but robust by
    the L2E weights. `search` then drops `duplicates` and scores the remaining planes, the candidates.
 4. Refinement. `quadrics` fits a smooth patch around every point. `refinement` minimises the L2E criterion of the

@@ -12,7 +12,7 @@ NUM_DIRECTIONS, OFFSET_STEP = 400, 0.04
 diagonals. The registration, whose σ starts at 0.05, bridges these steps."""
 
 OUTER_SHARE = 0.02
-"""Share of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of an
+"""Fraction of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of an
 object that was cut in half lies at the end of the cloud."""
 
 NUM_UPRIGHT_DIRECTIONS = 90
@@ -39,7 +39,7 @@ def hypotheses(surface: Surface, rng: np.random.Generator, *, num_pairs: int, fl
         flat: whether all points and normals lie in the sheet z = 0; then all planes are upright on it.
 
     Returns:
-        A batch of about 7 000 planes, or 2 500 if the cloud is flat.
+        A batch of 6 000 to 7 000 planes, or 2 500 if the cloud is flat.
     """
     principal = principal_planes(surface.points)
     sources = (

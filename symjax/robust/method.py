@@ -40,7 +40,7 @@ class Robust:
     The defaults are the method. Each option switches off a stage or changes a number, for ablations and calibrations.
 
     Attributes:
-        init: an additional hypothesis, in the units of the given points; None for none. A wrong one does no harm.
+        init: an additional hypothesis, in the units of the input points; None for none. A wrong one does no harm.
         use_point_confidence: whether points weigh less if they do not fit their neighbours' tangent planes. Such points
             are outliers or lie on edges. Otherwise all points weigh the same.
         use_visibility: whether to recognise a scan from one side. Mirror images in space that such a scan could not see
@@ -57,7 +57,7 @@ class Robust:
         exact_scoring: whether to order candidates by scores with exact nearest neighbours. Otherwise their scores come
             from the voxel grid, whose neighbours are wrong by up to the diagonal of a voxel.
         max_refined: maximum number of candidates that are refined. A cube has nine mirror planes.
-        refine_above: share of the best refined candidate's score above which another candidate is refined too, since it
+        refine_above: fraction of the best refined candidate's score above which another candidate is refined too, since it
             may be another mirror plane.
         refine: whether a candidate takes the refined plane. Otherwise it keeps its own, and only the standard errors
             and σ come from the refinement.
@@ -82,16 +82,16 @@ class Robust:
         An ablation is the method with one option changed:
 
         >>> import dataclasses
-        >>> dataclasses.replace(Robust(), use_normals=False).use_normals
+        >>> import symjax
+        >>> dataclasses.replace(symjax.Robust(), use_normals=False).use_normals
         False
 
         A stricter rule finds fewer planes:
 
-        >>> strict = Robust(found=FoundThresholds(base=0.5))
+        >>> strict = symjax.Robust(found=symjax.FoundThresholds(base=0.5))
 
         `symjax.detect` runs the method:
 
-        >>> import symjax
         >>> points = symjax.datasets.generate("quadruped", num_points=300, rng=0).points
         >>> detection = symjax.detect(points, strict)
         >>> print(detection.symmetry, abs(detection.plane.normal).round(2))
@@ -143,7 +143,7 @@ class Robust:
         """Finds the mirror planes of a cloud.
 
         Args:
-            cloud: distinct points in their own frame, in units of their diagonal, with normals if they are known.
+            cloud: distinct points in the cloud frame, in units of the diagonal, with normals if they are known.
             max_planes: not used, since `symjax.detect` shortens the list of candidates.
             rng: random generator, which draws pairs of points and the points that are reflected.
             timer: announces and times the stages.

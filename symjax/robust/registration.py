@@ -1,7 +1,7 @@
 """Registration: moves planes until the reflected cloud lies on the cloud, with partners from the voxel grid.
 
 The partner of a point is the surface point nearest to its mirror image, as in ICP. The residual r is the distance of
-the mirror image from the partner's tangent plane, with a share of its distance from the partner itself. Every step is a
+the mirror image from the partner's tangent plane, with a fraction of its distance from the partner itself. Every step is a
 Gauss-Newton step on the squares weighted by exp(−‖r‖²/2σ²): the majorise-minimise step of the L2E criterion. The
 partners are looked up anew before every step, and σ decreases.
 
@@ -115,14 +115,14 @@ def grid_scores(
     return scores
 
 
-@partial(jax.jit, static_argnames=("point_share", "use_normals"))
+@partial(jax.jit, static_argnames=("point_weight", "use_normals"))
 def register(
     planes: Plane,
     sigmas: Float[Array, " s"],
     probes: Probes,
     grid: VoxelGrid,
     *,
-    point_share: float,
+    point_weight: float,
     use_normals: bool = True,
 ) -> Plane:
     """Registers planes: moves each of them by one step for every σ.
@@ -132,7 +132,7 @@ def register(
         sigmas: scale σ of the residual in each step, in the units of the points.
         probes: the points that are reflected.
         grid: the voxel grid around the surface.
-        point_share: weight of the squared point-to-point distance relative to the squared point-to-plane distance. It
+        point_weight: weight of the squared point-to-point distance relative to the squared point-to-plane distance. It
             keeps a plane from drifting where the surface can slide along itself.
         use_normals: whether a pair weighs less if its normals disagree.
 
@@ -143,7 +143,7 @@ def register(
     def move(plane: Plane) -> Plane:
         def step(plane: Plane, sigma: Float[Array, ""]) -> tuple[Plane, None]:
             match = _match(plane, probes, grid, use_normals)
-            return _gauss_newton_step(plane, sigma, probes, match, point_share), None
+            return _gauss_newton_step(plane, sigma, probes, match, point_weight), None
 
         return jax.lax.scan(step, plane, sigmas)[0]
 
@@ -152,7 +152,7 @@ def register(
 
 
 def _gauss_newton_step(
-    plane: Plane, sigma: Float[Array, ""], probes: Probes, match: _Match, point_share: float
+    plane: Plane, sigma: Float[Array, ""], probes: Probes, match: _Match, point_weight: float
 ) -> Plane:
     """Moves a plane by one damped step in three unknowns: two turns of the normal, and the offset."""
     v, omega = map(jnp.asarray, plane)
@@ -173,10 +173,10 @@ def _gauss_newton_step(
 
     def hessian(i: int, j: int) -> Float[Array, ""]:
         square = swing[i] * swing[j] + (match.height**2 if i == j < 2 else 0)
-        return jnp.sum(weight * (jacobian[i] * jacobian[j] + 4 * point_share * square))
+        return jnp.sum(weight * (jacobian[i] * jacobian[j] + 4 * point_weight * square))
 
     def gradient(i: int) -> Float[Array, ""]:
-        return jnp.sum(weight * (jacobian[i] * residual - 2 * point_share * (swing[i] * across + lever[i])))
+        return jnp.sum(weight * (jacobian[i] * residual - 2 * point_weight * (swing[i] * across + lever[i])))
 
     turn_1, turn_2, shift = _solve_damped(
         [hessian(0, 0), hessian(0, 1), hessian(0, 2), hessian(1, 1), hessian(1, 2), hessian(2, 2)],

@@ -29,14 +29,14 @@ class Round(NamedTuple):
         num_probes: points that are reflected.
         num_planes: planes that are registered.
         sigmas: σ of each step of the registration, in diagonals.
-        point_share: see `registration.register`.
+        point_weight: see `registration.register`.
         scoring_sigma: σ of the scores after the registration, in diagonals.
     """
 
     num_probes: int
     num_planes: int
     sigmas: tuple[float, ...]
-    point_share: float
+    point_weight: float
     scoring_sigma: float
 
 
@@ -122,7 +122,7 @@ def _registered(planes: Plane, settings: Round, probes: Probes, grid: VoxelGrid,
     """Registers planes in single precision and returns them in double precision."""
     batch, sigmas = _as_batch(planes, slice(None)), np.array(settings.sigmas, np.float32)
     moved = registration.register(
-        batch, sigmas, probes, grid, point_share=settings.point_share, use_normals=use_normals
+        batch, sigmas, probes, grid, point_weight=settings.point_weight, use_normals=use_normals
     )
     normal, offset = (np.asarray(column, dtype=float) for column in moved)
     return Plane(normal / np.linalg.norm(normal, axis=1, keepdims=True), offset)

@@ -21,7 +21,7 @@ grow by a factor of 1.0 to 1.3 (measured); curvature by 2, in proportion to the 
 
 BOUNDARY_SHIFT = 0.3
 """A point lies on the boundary if its distance from the mean of its neighbours, along the tangent plane, exceeds this
-share of the neighbourhood's radius. The share is 0.42 at a straight edge and 0 inside, with a scatter of 0.1."""
+fraction of the neighbourhood's radius. The fraction is 0.42 at a straight edge and 0 inside, with a scatter of 0.1."""
 
 CONFIDENCE_NEIGHBOURS = 8
 """Neighbours whose tangent planes a point is compared with."""

@@ -20,7 +20,7 @@ DISTANCE = 2.0
 from farther away almost the same is visible."""
 
 ONE_SIDED = 0.935
-"""Share of the points that must be visible from the viewpoint of a scan from one side. Measured: 0.948 to 1 on such
+"""Fraction of the points that must be visible from the viewpoint of a scan from one side. Measured: 0.948 to 1 on such
 scans, 0.48 to 0.92 on whole and cut objects."""
 
 NUM_POINTS, NUM_DIRECTIONS, NUM_BEST = 800, 100, 4
@@ -36,8 +36,8 @@ diagonals wide, so that the image has little more than 2²⁰ pixels: enough for
 spot is far denser than the rest, the spacing is that of the spot, and an image with pixels of that size could fill any
 memory."""
 
-AVERAGED_SHARE = 0.01
-"""Directions are averaged if their visible share is within this of the best."""
+AVERAGED_FRACTION = 0.01
+"""Directions are averaged if their visible fraction is within this of the best."""
 
 PENALTY_BEHIND, PENALTY_AT_SURFACE, PENALTY_EMPTY = 0.03, 0.3, 1.0
 """Non-match penalties behind the visible surface, where nothing is known; at the surface; and in space that the scan
@@ -89,18 +89,18 @@ def find_viewpoint(surface: Surface) -> Viewpoint | None:
     directions = np.concatenate([half_sphere, -half_sphere])
     step = max(1, len(surface.points) // NUM_POINTS)
     pixel = max(PIXEL * surface.spacing, FINEST_PIXEL * diagonal)
-    share = _visible_shares(surface, middle, directions, DISTANCE * diagonal, pixel, step)
-    best = np.argsort(-share, kind="stable")[:NUM_BEST]
-    if share[best[0]] < ONE_SIDED:
+    fraction = _visible_fractions(surface, middle, directions, DISTANCE * diagonal, pixel, step)
+    best = np.argsort(-fraction, kind="stable")[:NUM_BEST]
+    if fraction[best[0]] < ONE_SIDED:
         return None
-    if _visible_shares(surface, middle, directions[best], DISTANCE * diagonal, pixel, 1).max() < ONE_SIDED:
+    if _visible_fractions(surface, middle, directions[best], DISTANCE * diagonal, pixel, 1).max() < ONE_SIDED:
         return None
     towards = directions[best[0]]
     if _bulge(surface, towards) < 0:
         towards = -towards
-    share = np.where(directions @ towards > 0, share, 0.0)
-    near_best = directions @ directions[np.argmax(share)] > 0.5
-    averaged = directions[(share > share.max() - AVERAGED_SHARE) & near_best]
+    fraction = np.where(directions @ towards > 0, fraction, 0.0)
+    near_best = directions @ directions[np.argmax(fraction)] > 0.5
+    averaged = directions[(fraction > fraction.max() - AVERAGED_FRACTION) & near_best]
     towards = averaged.mean(axis=0) / np.linalg.norm(averaged.mean(axis=0))
     return _viewpoint(surface.points, towards, middle, DISTANCE * diagonal, pixel)
 
@@ -130,7 +130,7 @@ def _project(
     return points @ tangent_frames(towards) * (distance / depth)[:, None], depth
 
 
-def _visible_shares(
+def _visible_fractions(
     surface: Surface,
     middle: Float[np.ndarray, " 3"],
     directions: Float[np.ndarray, "d 3"],
@@ -138,23 +138,23 @@ def _visible_shares(
     pixel: float,
     step: int,
 ) -> Float[np.ndarray, " d"]:
-    """Returns the share of every `step`-th point that is visible from each direction.
+    """Returns the fraction of every `step`-th point that is visible from each direction.
 
     The pixels grow with the spacing of the remaining points.
     """
     points, normals = surface.points[::step] - middle, surface.normals[::step]
     side = pixel * np.sqrt(step)
-    return np.array([_visible_share(points, normals, towards, distance, side) for towards in directions])
+    return np.array([_visible_fraction(points, normals, towards, distance, side) for towards in directions])
 
 
-def _visible_share(
+def _visible_fraction(
     points: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
     towards: Float[np.ndarray, " 3"],
     distance: float,
     pixel: float,
 ) -> float:
-    """Returns the share of the points that are not hidden by the nearest point in their pixel.
+    """Returns the fraction of the points that are not hidden by the nearest point in their pixel.
 
     A point is not hidden if it lies near the tangent plane of the nearest point, or the nearest point near its tangent
     plane: both are then on one slanted surface.

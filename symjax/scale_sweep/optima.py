@@ -24,12 +24,12 @@ class Optimum(NamedTuple):
     Attributes:
         plane: the plane.
         loss: its loss.
-        share: fraction of the starts that reach it.
+        fraction: fraction of the starts that reach the optimum.
     """
 
     plane: Plane
     loss: float
-    share: float
+    fraction: float
 
 
 def optima(planes: Plane, loss: Float[np.ndarray, " r"], rank: Int[np.ndarray, " r"]) -> list[Optimum]:

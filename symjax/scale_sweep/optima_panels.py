@@ -56,13 +56,13 @@ def traces(sweep: "ScaleSweep", found: list[list[Optimum]]) -> list[dict[str, An
     loss = np.array([optimum.loss for _, _, optimum in dots])
     marker = {
         "color": [css(COLOURS[index]) for index in colour_index(np.array([rank for _, rank, _ in dots], int))],
-        "size": [4 + 8 * float(np.sqrt(optimum.share)) for _, _, optimum in dots],
+        "size": [4 + 8 * float(np.sqrt(optimum.fraction)) for _, _, optimum in dots],
         "line": {"width": 0.5, "color": "white"},
         "opacity": 0.9,
     }
     labels = [
         f"σ {sweep.fractions[index]:.4g}, optimum {rank + 1} of {len(found[index])}<br>"
-        f"{optimum.share:.1%} of the starts, loss {optimum.loss:.6g}"
+        f"{optimum.fraction:.1%} of the starts, loss {optimum.loss:.6g}"
         for index, rank, optimum in dots
     ]
     lines = _heights(sweep, sweep.best.plane, np.asarray(sweep.best.loss), sweep.fractions)

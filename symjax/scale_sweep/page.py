@@ -138,13 +138,13 @@ def _heading(text: str, x: float, y: float) -> dict[str, Any]:
 def _slider(sweep: "ScaleSweep", found: list[list[Optimum]], first: int) -> dict[str, Any]:
     """Returns the slider, with one step for every σ."""
     at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
-    share = np.asarray(sweep.fits.converged).mean(axis=1)
+    converged = np.asarray(sweep.fits.converged).mean(axis=1)
     return {
         "active": first,
         "steps": [
             {
                 "label": f"{fraction:.4g} of the diagonal: {len(row)} {'optimum' if len(row) == 1 else 'optima'}, "
-                f"{share[index]:.0%} of the starts converged",
+                f"{converged[index]:.0%} of the starts converged",
                 "method": "animate",
                 "args": [[str(index)], at_once],
             }

@@ -150,9 +150,9 @@ class SphereMap:
         """Returns the optima; their size shows how many starts reach them."""
         normals = np.reshape([optimum.plane.normal for optimum in optima], (-1, 3))
         rank = np.arange(len(optima))
-        size = [7 + 11 * float(np.sqrt(optimum.share)) for optimum in optima]
+        size = [7 + 11 * float(np.sqrt(optimum.fraction)) for optimum in optima]
         labels = [
-            f"optimum {number} of {len(optima)}<br>{optimum.share:.1%} of the starts<br>loss {optimum.loss:.6g}"
+            f"optimum {number} of {len(optima)}<br>{optimum.fraction:.1%} of the starts<br>loss {optimum.loss:.6g}"
             for number, optimum in enumerate(optima, start=1)
         ]
         return {
@@ -178,7 +178,7 @@ class SphereMap:
 def view(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
     """Returns the scene, viewed from near the direction of the estimated normal."""
     up = -tangent_frames(normal)[:, 1]
-    toward = np.cos(TILT) * normal - np.sin(TILT) * up
+    towards = np.cos(TILT) * normal - np.sin(TILT) * up
     hidden = {"visible": False, "range": [-FRAME, FRAME]}
     return {
         "xaxis": hidden,
@@ -188,7 +188,7 @@ def view(normal: Float[np.ndarray, " 3"]) -> dict[str, Any]:
         "aspectratio": dict.fromkeys("xyz", ZOOM),
         "dragmode": "orbit",
         "camera": {
-            "eye": coordinates(1.25 * toward),
+            "eye": coordinates(1.25 * towards),
             "up": coordinates(up),
             "projection": {"type": "orthographic"},
         },

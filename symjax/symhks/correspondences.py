@@ -55,7 +55,7 @@ class CorrespondenceOptions:
             no information, since they change between neighbours.
         num_pairs: number of pairs q; None means `pairs_per_keypoint` times the number of keypoints.
         pairs_per_keypoint: q per keypoint, not given in the paper. The default matches the better half of the
-            keypoints. Between 0.15 and 0.4, the share of real models with the right plane changed by 2 or 3 %.
+            keypoints. Between 0.15 and 0.4, the fraction of real models with the right plane changed by 2 or 3 %.
         separation: least distance between the two points of a pair, in spacings of the keypoints. Points nearer to each
             other than the scale of the residual belong to one patch, and agree with any plane through it. The paper has
             no such limit (0): only the signs keep neighbours apart.

@@ -92,14 +92,20 @@ class SymHKS(CorrespondenceOptions):
 
     @classmethod
     def as_printed(cls) -> "SymHKS":
-        """Returns the settings that the paper prints. It gives no number of keypoints or pairs, and no σ."""
+        """Returns the settings that the paper prints.
+
+        Three choices remain that are not the paper's: the Laplacian `"stars"`, where the paper uses the library;
+        `num_signs=12` instead of all eigenfunctions; and 500 keypoints, of which at least half are farthest-point
+        samples, where the paper has intrinsic shape signatures only. The paper gives no number of keypoints or pairs, and no σ: they have our
+        defaults.
+        """
         return cls(times="uniform", whitened=False, separation=0.0, restarts=1, solver="alternating")
 
     def find(self, cloud: Cloud, *, max_planes: int, rng: np.random.Generator, timer: StageTimer) -> MethodResult:
         """Finds the mirror plane of a cloud; `symjax.detect` calls it.
 
         Args:
-            cloud: distinct points in their own frame, in units of their diagonal.
+            cloud: distinct points in the cloud frame, in units of the diagonal.
             max_planes: not used; `detect` keeps the first `max_planes` candidates.
             rng: draws the random planes that the threshold is derived from.
             timer: times the stages.

@@ -114,7 +114,7 @@ def figure(
     scene = scenes.build(detection, max_points=max_points, max_pairs=MAX_PAIRS, up=up)
     is_distant = bool(np.abs(scene.origin).max() > DISTANT * scene.size)
     shift = np.zeros(3) if is_distant else scene.origin
-    light = headlight(scene.cloud, scene.view.toward)
+    light = headlight(scene.cloud, scene.view.towards)
     traces = [
         points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene", scale=FINE),
         points_trace(scene.cloud + shift, light, "cloud", colours.CLOUD, scene="scene2", showlegend=False),
@@ -151,7 +151,7 @@ def _layout(detection: Drawable, scene: scenes.Scene, shift: Float[np.ndarray, "
         "aspectratio": coordinates(ZOOM * (high - low) / longest),
         "dragmode": "orbit",
         "camera": {
-            "eye": coordinates(2 * scene.view.toward),
+            "eye": coordinates(2 * scene.view.towards),
             "up": coordinates(scene.view.up),
             "projection": {"type": "orthographic"},
         },

@@ -17,13 +17,13 @@ DARKEST = 0.45
 """Brightness of a point whose surface is seen edge-on."""
 
 
-def headlight(points: Float[np.ndarray, "n 3"], toward: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " n"]:
+def headlight(points: Float[np.ndarray, "n 3"], towards: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " n"]:
     """Computes the light on each point from a lamp at the viewer, 0 to 1. The sign of the normals does not matter."""
     if len(points) < LIGHTING_NEIGHBOURS:
         return np.ones(len(points))
     neighbours = cKDTree(points).query(points, LIGHTING_NEIGHBOURS)[1]
     normals = local_frames(points, neighbours)[1][:, :, 0]
-    light: Float[np.ndarray, " n"] = np.abs(normals @ toward)
+    light: Float[np.ndarray, " n"] = np.abs(normals @ towards)
     return light
 
 

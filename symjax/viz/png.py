@@ -138,7 +138,7 @@ def _draw_panel(
     projected = panel.project(points)
     projected[is_mirrored, 2] -= COINCIDENT * scene.size * panel.scale
     paint = np.where(is_mirrored[:, None], colours.MIRRORED, colours.CLOUD)
-    facing = 1.0 if scene.plane.normal @ scene.view.toward > 0 else -1.0
+    facing = 1.0 if scene.plane.normal @ scene.view.towards > 0 else -1.0
     side = facing * scene.plane.signed_distance(points)
     radius = _disc_radius(projected[~is_mirrored], panel)
     far, near = np.quantile(projected[:, 2], (0.01, 0.99)).tolist()
@@ -198,8 +198,8 @@ def _draw_pairs(canvas: Image.Image, panel: Panel, scene: scenes.Scene, sign: fl
             continue
         segment = ends[:, i].copy()
         if not above.all():
-            share = heights[0, i] / (heights[0, i] - heights[1, i])
-            segment[int(above[0])] = ends[0, i] + share * (ends[1, i] - ends[0, i])
+            fraction = heights[0, i] / (heights[0, i] - heights[1, i])
+            segment[int(above[0])] = ends[0, i] + fraction * (ends[1, i] - ends[0, i])
         brush.line(panel.pixels(segment), fill=(*colour, opacity), width=SUPERSAMPLING * (2 if opacity > 128 else 1))
         dot = 2.1 * SUPERSAMPLING
         for column, row in panel.pixels(ends[above, i]):

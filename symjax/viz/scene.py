@@ -37,12 +37,12 @@ class View(NamedTuple):
     Attributes:
         right: direction to the right.
         up: upward direction.
-        toward: direction towards the viewer.
+        towards: direction towards the viewer.
     """
 
     right: Float[np.ndarray, " 3"]
     up: Float[np.ndarray, " 3"]
-    toward: Float[np.ndarray, " 3"]
+    towards: Float[np.ndarray, " 3"]
 
 
 class Scene(NamedTuple):
@@ -234,6 +234,6 @@ def _view(axes: Float[np.ndarray, "2 3"]) -> View:
     """Chooses a view along the plane, rotated so that its face is visible and raised so that its depth is."""
     depth, up = axes
     sideways = np.cos(AZIMUTH) * depth + np.sin(AZIMUTH) * np.cross(up, depth)
-    toward = np.cos(ELEVATION) * sideways + np.sin(ELEVATION) * up
+    towards = np.cos(ELEVATION) * sideways + np.sin(ELEVATION) * up
     right = np.cross(up, sideways)
-    return View(right, np.cross(toward, right), toward)
+    return View(right, np.cross(towards, right), towards)

@@ -39,17 +39,17 @@ BACKGROUND = slice(4, 12)
 cloud as a mere local optimum. Compact round clouds agree to some extent with any plane through their centre."""
 
 SECONDARY = 0.87
-"""Share of the best ranking score above which another candidate may be a mirror plane. A missing part may have reduced
+"""Fraction of the best ranking score above which another candidate may be a mirror plane. A missing part may have reduced
 its score more than that of the best."""
 
 AS_GOOD = 0.97
-"""Share of the best ranking score above which another mirror plane is as good as the best."""
+"""Fraction of the best ranking score above which another mirror plane is as good as the best."""
 
 VALLEY = 0.95
-"""Share of a candidate's own score below which the score must fall between it and every better mirror plane. A body of
+"""Fraction of a candidate's own score below which the score must fall between it and every better mirror plane. A body of
 revolution with a handle agrees with all planes through its axis nearly as well as with the plane through the handle.
-They are not mirror planes, and no valley separates them from that one. Chosen on generated clouds; the columns "named"
-of `experiments.run calibration` show how often the remaining planes are right."""
+They are not mirror planes, and no valley separates them from that one. Chosen on generated clouds; the columns
+"correct kind" of `experiments.run calibration` show how often the remaining planes are right."""
 
 NUM_BETWEEN = 6
 """Number of planes between two candidates that are scored to find a valley."""
@@ -62,7 +62,7 @@ AXIS_PLANES = 7
 of them as mirror planes."""
 
 STILL_AS_GOOD = 0.94
-"""Share of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
+"""Fraction of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
 not refined."""
 
 AS_GOOD_FLAT, STILL_AS_GOOD_FLAT = 0.92, 0.85
@@ -95,9 +95,10 @@ class FoundThresholds:
         exactness_per_noise: increase of that exactness with the noise. On a noisy surface chance reaches a higher one.
 
     Example:
-        >>> FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
+        >>> import symjax
+        >>> symjax.FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
         array(0.675)
-        >>> FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
+        >>> symjax.FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
         array(0.4)
     """
 
@@ -120,6 +121,9 @@ class FoundThresholds:
             exactness: exactness of the plane; 0 if it is not known.
             background: median score of other candidates, see `background`.
             noise: noise of the surface, see `relative_noise`.
+
+        Returns:
+            The score that the plane must exceed, one for each plane.
         """
         usual = np.minimum(self.base + self.per_background * np.asarray(background), self.most)
         return np.where(exactness > self.exactness + self.exactness_per_noise * np.asarray(noise), self.exact, usual)

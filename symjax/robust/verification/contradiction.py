@@ -1,7 +1,7 @@
 """Contradiction: mirror images that lie where the object has no surface.
 
 The score compares the reflected cloud with the cloud at a fine scale, where noise and curvature decide. A handle of a
-mug is a small share of its points, and loses against the body. Coarse evidence is unambiguous: the mirror image of the
+mug is a small fraction of its points, and loses against the body. Coarse evidence is unambiguous: the mirror image of the
 handle lies many spacings away from any surface. A missing part produces such images too, but then they begin at the
 boundary of the surface, where the part was cut off, or lie in space that the scan could not see.
 """
@@ -29,23 +29,23 @@ EMPTY = 0.9
 """Non-match penalty above which a scan from one side saw empty space at a mirror image."""
 
 EXCUSED_BY_BOUNDARY, EXCUSED_BY_OUTLINE = 0.2, 0.6
-"""Share of the boundary points, among the surface points nearest to a cluster of far mirror images, above which a
+"""Fraction of the boundary points, among the surface points nearest to a cluster of far mirror images, above which a
 missing part explains the cluster. The second one is for scans from one side, whose outline is boundary everywhere.
 Measured with the right plane: 0.24 and more on cut objects; with the best plane of complete objects without a symmetry
 0 to 0.2."""
 
 
 MAX_COMPLETED, NUM_REFLECTED = 60_000, 4000
-"""Maximum number of points of a completed cloud, and number of them that are reflected: enough for a share."""
+"""Maximum number of points of a completed cloud, and number of them that are reflected: enough for a fraction."""
 
 
 class Contradiction(NamedTuple):
     """How strongly a cloud contradicts a plane at a coarse scale.
 
     Attributes:
-        gross: share of the weight whose mirror images are far from the surface, for whatever reason.
+        gross: fraction of the weight whose mirror images are far from the surface, for whatever reason.
         refuting: the part of it that no missing part explains.
-        at_boundary: share of boundary points among the surface points nearest to the clusters of far mirror images, in
+        at_boundary: fraction of boundary points among the surface points nearest to the clusters of far mirror images, in
             the mean over all clusters; 1 without any.
     """
 
@@ -70,7 +70,7 @@ def contradiction(
         surface: the surface, in units of its diagonal.
         scored: score of the plane on all points of the surface.
         one_sided: whether the cloud is a scan from one side.
-        excused: share of boundary points above which a cluster is excused; None for the default.
+        excused: fraction of boundary points above which a cluster is excused; None for the default.
     """
     if excused is None:
         excused = EXCUSED_BY_OUTLINE if one_sided else EXCUSED_BY_BOUNDARY

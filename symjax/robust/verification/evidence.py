@@ -27,11 +27,11 @@ COMPLETE = 0.005
 0.0024 on whole objects."""
 
 SAME_RANK = 0.99
-"""Share of the best ranking score above which a plane that maps the whole cloud onto itself comes first. If it ranks
+"""Fraction of the best ranking score above which a plane that maps the whole cloud onto itself comes first. If it ranks
 lower, then the object may be cut symmetrically about a plane that is nearly a mirror plane."""
 
 AT_CUT = 0.5
-"""Share of boundary points beside the far mirror images of a plane above which the cloud may be cut rather than
+"""Fraction of boundary points beside the far mirror images of a plane above which the cloud may be cut rather than
 complete. Measured: 0.35 for the handle near the rim of a saucepan, 0.8 to 1 at cuts."""
 
 CONFIRMED = 0.01

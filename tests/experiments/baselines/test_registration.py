@@ -112,7 +112,7 @@ class TestKazhdan:
         found = COARSE.rank(quadruped.points + 3, rng)
         np.testing.assert_allclose(found.normals @ (quadruped.points.mean(axis=0) + 3), found.offsets)
         for k in range(1, len(found.normals)):
-            others = plane_distance(Plane(found.normals[:k], np.zeros(k)), Plane(found.normals[k], 0.0))
+            others = plane_distance(Plane(found.normals[:k], np.zeros(k)), Plane(found.normals[k], np.float64(0.0)))
             assert (np.degrees(2 * np.arcsin(others / 2)) > 9.99).all()
 
     def test_a_plane_that_does_not_pass_through_the_mean_is_not_found(self, rng):

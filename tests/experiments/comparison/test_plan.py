@@ -50,6 +50,17 @@ def test_a_task_over_its_limit_is_a_miss_and_takes_its_object_from_another_metho
     assert measures_of([two, three])["hit rate"] == 0.0
 
 
+def test_stored_results_with_the_former_name_of_a_column_can_be_read():
+    task = {
+        name: row()[name] for name in ("method", "benchmark", "item", "name", "condition", "seed", "num_points", "data")
+    }
+    values = {"held" if name == "accepted" else name: value for name, value in row().items() if name not in task}
+    line = {"identity": "a", "task": task, "status": "ok", "row": values, "failure": "", "seconds": 1.0, "host": "h"}
+    rows = plan.rows_of([Result(**json.loads(json.dumps(line)))])
+    assert rows == [row()]
+    assert measures_of(rows)["F"] == 1.0
+
+
 def stripped(path):
     """Returns the sorted lines of a file of results, without the timings."""
     lines = [json.loads(line) for line in path.read_text().splitlines()]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from symjax.datasets import add_noise, add_outliers, corrupt, remove_part, scan
-from symjax.errors import InvalidArgumentError, TooFewPointsError
+from symjax.datasets import add_noise, add_outliers, build, corrupt, generate, load, pose, remove_part, scan
+from symjax.errors import InvalidArgumentError, SymjaxError, TooFewPointsError
 
 
 @pytest.fixture
@@ -108,9 +108,45 @@ def test_bad_arguments_are_refused(ball):
         add_outliers(ball, -0.1)
     with pytest.raises(InvalidArgumentError, match="gamma"):
         remove_part(ball, 1.0)
-    with pytest.raises(InvalidArgumentError, match="noise level"):
+    with pytest.raises(InvalidArgumentError, match="level must be a finite number, at least 0"):
         add_noise(ball, -1.0)
     with pytest.raises(TooFewPointsError, match="got 3"):
         scan(ball[:3])
     with pytest.raises(InvalidArgumentError, match="point 17"):
         scan(ball, viewpoint=ball[17])
+
+
+CALLS = {
+    "generate, num_points": lambda: generate("mug", num_points="a"),
+    "generate, rng": lambda: generate("mug", rng=-1),
+    "build, rng": lambda: build("mug", rng="a"),
+    "load, num_samples": lambda: load("spot", num_samples=1.5),
+    "pose, rng": lambda: pose(generate("ball", num_points=10), rng=-1),
+    "pose, scale": lambda: pose(generate("ball", num_points=10), scale="a"),
+    "pose, shift": lambda: pose(generate("ball", num_points=10), shift=None),
+    "add_outliers, alpha": lambda: add_outliers([[0, 0, 0]], "a"),
+    "add_outliers, points": lambda: add_outliers([[0, 0], [0, 0]], 1.0),
+    "add_outliers, nan": lambda: add_outliers([[0, 0, np.nan]], 1.0),
+    "remove_part, empty": lambda: remove_part(np.empty((0, 3)), 0.5),
+    "remove_part, gamma": lambda: remove_part([[0, 0, 0]], None),
+    "add_noise, diagonal": lambda: add_noise([[0, 0, 0]], 0.1, diagonal=-1),
+    "corrupt, one_sided": lambda: corrupt([[0, 0, 0]], one_sided="yes"),
+    "corrupt, rng": lambda: corrupt([[0, 0, 0]], rng=1.5),
+    "scan, viewpoint": lambda: scan(np.eye(4)[:, :3], viewpoint="above"),
+    "scan, plane": lambda: scan([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], viewpoint=[5, 5, 0]),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_bad_input_raises_an_error_of_symjax(name):
+    with pytest.raises(SymjaxError):
+        CALLS[name]()
+
+
+def test_lists_are_accepted():
+    points = [[0, 0, 0], [1, 2, 3], [0, 2, 0], [2, 0, 1]]
+    assert add_outliers(points, 1.0).shape == (8, 3)
+    assert remove_part(points, 0.5)[0].shape == (2, 3)
+    assert add_noise(points, 0.0).tolist() == points
+    assert len(scan(points, viewpoint=[9, 9, 9])[0]) > 0
+    assert corrupt(points, outliers=0.5).points.shape == (6, 3)

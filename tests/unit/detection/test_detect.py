@@ -16,7 +16,7 @@ from symjax.preprocess.cloud import DENSITY_POINTS, prepare
 
 @dataclass(frozen=True)
 class FirstAxis:
-    """A user's method: it returns the planes across the axes of the cloud's own frame, the first one first."""
+    """A user's method: it returns the planes across the axes of the cloud frame, the first one first."""
 
     name: str = "first axis"
     drops_outliers: bool = False
@@ -39,7 +39,7 @@ def test_any_method_works_and_its_result_is_in_the_units_of_the_input(cloud):
     method = FirstAxis()
     det = symjax.detect(cloud, method, max_planes=2)
     own = prepare(cloud)
-    expected = own.to_given.plane(Plane(np.array([1.0, 0.0, 0.0]), 0.0)).canonical()
+    expected = own.to_given.plane(Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))).canonical()
     np.testing.assert_allclose(det.plane.normal, expected.normal, atol=1e-12)
     np.testing.assert_allclose(det.plane.offset, expected.offset, atol=1e-9)
     assert (det.method, det.found, det.symmetry, det.notes) == ("first axis", True, "one plane", ("looked once",))

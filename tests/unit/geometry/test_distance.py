@@ -30,10 +30,10 @@ def test_angle_has_a_finite_derivative_at_aligned_normals():
 
 
 def test_offset_error_does_not_depend_on_the_origin(rng):
-    truth = Plane(np.array([0.0, 0.6, 0.8]), 2.0)
+    truth = Plane(np.array([0.0, 0.6, 0.8]), np.float64(2.0))
     normal = np.array([0.1, 0.6, 0.8])
     normal /= np.linalg.norm(normal)
-    plane, centre = Plane(normal, 2.1), rng.normal(size=3)
+    plane, centre = Plane(normal, np.float64(2.1)), rng.normal(size=3)
     error = offset_error(plane, truth, centre, 4.0)
     shift = 100 * rng.normal(size=3)
     moved = [Plane(p.normal, p.offset + p.normal @ shift) for p in (plane, truth)]
@@ -43,6 +43,6 @@ def test_offset_error_does_not_depend_on_the_origin(rng):
 
 
 def test_offset_error_of_a_parallel_plane_is_its_distance():
-    truth = Plane(np.array([0.0, 0.0, 1.0]), 1.0)
+    truth = Plane(np.array([0.0, 0.0, 1.0]), np.float64(1.0))
     planes = Plane(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), np.array([1.5, -3.0]))
     np.testing.assert_allclose(offset_error(planes, truth, np.ones(3), 2.0), [0.25, 1.0])

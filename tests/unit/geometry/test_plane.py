@@ -58,7 +58,7 @@ def test_canonical_sign_is_the_same_for_both_orientations(rng, xp):
 
 def test_canonical_sign_of_a_tie_follows_the_first_component():
     s = np.sqrt(0.5)
-    assert Plane(np.array([-s, 0.0, s]), 1.0).canonical().normal[0] > 0
+    assert Plane(np.array([-s, 0.0, s]), np.float64(1.0)).canonical().normal[0] > 0
 
 
 def test_angle_ignores_orientation(rng):

@@ -198,11 +198,14 @@ def test_errors_stay_on_one_line_whatever_the_name(tmp_path):
 
 def test_number_of_samples_and_seed_are_checked(tmp_path):
     path = put(tmp_path, "a.off", off(CUBE, QUADS))
-    with pytest.raises(InvalidArgumentError, match="num_samples"):
-        read_points(path, num_samples=0)
+    for num_samples in (0, "a", 1.5):
+        with pytest.raises(InvalidArgumentError, match="num_samples"):
+            read_points(path, num_samples=num_samples)
     for rng in (-1, "a"):
-        with pytest.raises(InvalidArgumentError, match="rng must be a nonnegative seed"):
+        with pytest.raises(InvalidArgumentError, match="rng must be a seed"):
             read_points(path, rng=rng)
+    with pytest.raises(InvalidArgumentError, match="a path must be text"):
+        read_points(5)
 
 
 def test_written_points_are_read_exactly(tmp_path, points):

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from symjax.datasets.planted_pairs import planted_pairs
+from symjax.errors import InvalidArgumentError
 from symjax.l2e.fit import best
 from symjax.l2e.fit_global import fit_global
 from symjax.l2e.fit_plane import fit_plane
+from symjax.l2e.jax_config import enable_compilation_cache
 from symjax.l2e.objective import l2e_loss
 from symjax.l2e.standard_errors import standard_errors
 from symjax.l2e.sweep import sweep, sweep_clouds
@@ -142,3 +144,9 @@ def test_the_folder_is_that_of_the_environment(tmp_path):
     folder, _, _ = run(SYMJAX_CACHE=str(tmp_path / "named"))
     assert folder == str(tmp_path / "named")
     assert any((tmp_path / "named").iterdir())
+
+
+def test_a_folder_that_cannot_be_created_is_an_error_of_symjax(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(InvalidArgumentError, match="cannot create the folder"):
+        enable_compilation_cache(tmp_path / "file" / "cache")

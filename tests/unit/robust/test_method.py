@@ -37,7 +37,8 @@ def cloud():
 
 @pytest.fixture(scope="module")
 def truth():
-    return Plane(*sample_of("quadruped", 0).planes[0])
+    normal, offset = sample_of("quadruped", 0).planes[0]
+    return Plane(normal, np.float64(offset))
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +94,7 @@ def test_the_plane_moves_with_the_cloud(cloud, detection, rng, change):
         scale = 1e-6
     moved = symjax.detect((scale * cloud @ turn.T + shift)[order])
     normal = turn @ detection.plane.normal
-    assert moved.plane.angle(Plane(normal, 0.0)) < 0.1
+    assert moved.plane.angle(Plane(normal, np.float64(0.0))) < 0.1
     foot = scale * detection.plane.offset * normal + shift
     assert abs(moved.plane.signed_distance(foot[None])[0]) < 1e-3 * moved.diagonal
     assert moved.score == pytest.approx(detection.score, abs=0.02)
@@ -183,7 +184,7 @@ def test_the_planes_of_a_flat_cloud_are_perpendicular_to_it(rng):
     wide = np.abs(outline[:, 0]) < 0.2 + 0.25 * (1 + outline[:, 1]) ** 2 * (outline[:, 1] < 0.7)
     found = symjax.detect(np.c_[outline[wide], np.zeros(wide.sum())])
     assert max(abs(candidate.plane.normal[2]) for candidate in found.candidates) < 1e-6
-    assert found.plane.angle(Plane(np.array([1.0, 0.0, 0.0]), 0.0)) < 5
+    assert found.plane.angle(Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))) < 5
     assert any("coplanar" in note for note in found.notes)
 
 
@@ -191,7 +192,7 @@ def test_a_large_cloud_is_thinned_and_a_note_says_so():
     found = symjax.detect(generate("quadruped", num_points=40_000, rng=0).points, max_points=2_000)
     assert (found.num_points, found.num_used <= 2_000) == (40_000, True)
     assert any("thinned from 40000" in note for note in found.notes)
-    assert found.plane.angle(Plane(np.array([1.0, 0.0, 0.0]), 0.0)) < 0.5
+    assert found.plane.angle(Plane(np.array([1.0, 0.0, 0.0]), np.float64(0.0))) < 0.5
 
 
 def test_nan_is_rejected_or_dropped(cloud, detection):

@@ -42,7 +42,7 @@ def random_planes(count):
 
 
 def one_step(planes, probes, grid, sigma=SIGMA):
-    moved = register(planes, np.array([sigma], np.float32), probes, grid, point_share=POINT_SHARE)
+    moved = register(planes, np.array([sigma], np.float32), probes, grid, point_weight=POINT_SHARE)
     return np.asarray(moved.normal), np.asarray(moved.offset)
 
 
@@ -66,7 +66,7 @@ def weight_and_agreement(v, omega, sigma, probes, grid):
 
 
 def step_in_numpy(v, omega, sigma, probes, grid):
-    """One damped Gauss-Newton step on Σ w (n·(x′ − y))² + point_share w ‖x′ − y‖², by finite differences."""
+    """One damped Gauss-Newton step on Σ w (n·(x′ − y))² + point_weight w ‖x′ − y‖², by finite differences."""
     weight, agreement, _ = weight_and_agreement(v, omega, sigma, probes, grid)
     _, _, y, n, _, _ = mirrored(v, omega, probes, grid)
     root = np.sqrt(weight * agreement)
@@ -159,7 +159,7 @@ def test_planes_that_are_off_by_8_degrees_and_3_per_cent_return_to_the_truth(kin
     grid, probes, normal, offset = scene_of(kind)
     planes = perturbed(normal, offset, 64, 8.0, 0.03)
     sigmas = np.array([s for stage in ROUNDS for s in stage.sigmas], np.float32)
-    moved = register(planes, sigmas, probes, grid, point_share=ROUNDS[-1].point_share)
+    moved = register(planes, sigmas, probes, grid, point_weight=ROUNDS[-1].point_weight)
     v, omega = np.asarray(moved.normal), np.asarray(moved.offset)
     assert np.quantile(angles(v, normal), 0.9) < 1.0
     assert np.quantile(np.abs(np.abs(omega) - abs(offset)), 0.9) < 0.005

@@ -113,7 +113,7 @@ def test_fits_that_did_not_converge_have_no_rank(rng):
     listed = optima(planes, loss, rank)
     assert len(listed) == rank.max() + 1
     assert [optimum.loss for optimum in listed] == sorted(optimum.loss for optimum in listed)
-    assert np.isclose(sum(optimum.share for optimum in listed), np.mean(rank != NOT_CONVERGED))
+    assert np.isclose(sum(optimum.fraction for optimum in listed), np.mean(rank != NOT_CONVERGED))
     assert (ranks(planes, loss, np.zeros(40, bool), centre=np.zeros(3), diagonal=1.0) == NOT_CONVERGED).all()
     assert optima(planes, loss, np.full(40, NOT_CONVERGED)) == []
 

@@ -60,7 +60,7 @@ def detection(cloud):
 
 
 def test_the_planted_plane_is_found(detection):
-    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 3.0
+    assert detection.plane.angle(Plane(NORMAL, np.float64(0.0))) < 3.0
     assert abs(detection.plane.offset) < 0.01 * detection.diagonal
     assert detection.found
     assert detection.converged
@@ -113,7 +113,7 @@ def test_the_plane_moves_with_the_cloud(cloud, detection, change, rng):
         scale = {"small": 1e-12, "large": 1e12}[change]
     moved = detect((scale * cloud @ turn.T + shift)[order])
     normal = turn @ detection.plane.normal
-    assert moved.plane.angle(Plane(normal, 0.0)) < 0.1
+    assert moved.plane.angle(Plane(normal, np.float64(0.0))) < 0.1
     # a point of the plane, moved with the cloud: far from the origin the offset itself is ill-conditioned
     foot = scale * detection.plane.offset * normal + shift
     assert abs(moved.plane.signed_distance(foot[None])[0]) < 1e-3 * moved.diagonal
@@ -241,7 +241,7 @@ def test_a_coplanar_cloud_gets_a_plane_across_it(rng):
     flat = np.c_[outline[wide], np.zeros(wide.sum())]
     detection = detect(flat)
     assert abs(detection.plane.normal[2]) < 1e-6
-    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 5.0
+    assert detection.plane.angle(Plane(NORMAL, np.float64(0.0))) < 5.0
     assert any("coplanar" in note for note in detection.notes)
 
 
@@ -261,7 +261,7 @@ def test_a_large_cloud_is_thinned_and_has_a_note(rng):
     assert detection.num_points > 39_000
     assert detection.num_used <= 10_000
     assert any("thinned" in note for note in detection.notes)
-    assert detection.plane.angle(Plane(NORMAL, 0.0)) < 3.0
+    assert detection.plane.angle(Plane(NORMAL, np.float64(0.0))) < 3.0
 
 
 def test_a_small_cloud_gets_a_plane(rng):

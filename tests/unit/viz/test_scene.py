@@ -52,7 +52,7 @@ def test_the_view_is_orthonormal_and_up_is_up(rng):
     np.testing.assert_allclose(view.right @ up, 0.0, atol=1e-12)
     assert view.up @ up > 0.9
     # both the face and the depth of the plane are visible
-    assert 0.2 < abs(view.toward @ [0.6, 0.0, 0.8]) < 0.8
+    assert 0.2 < abs(view.towards @ [0.6, 0.0, 0.8]) < 0.8
 
 
 def test_removed_points_are_separate_and_points_that_are_not_finite_are_dropped(rng):
