@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from symjax.geometry.plane import Plane
 
 NEAR = 3.0
-"""A point belongs to the object if it is within this many times the median nearest-neighbour distance of a used point."""
+"""A point belongs to the object if it is within this many nearest-neighbour distances (the median) of a used point."""
 
 
 def on_surface(points: Float[np.ndarray, "n 3"], used: Float[np.ndarray, "m 3"] | None) -> Bool[np.ndarray, " n"]:

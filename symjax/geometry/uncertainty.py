@@ -53,7 +53,7 @@ class Uncertainty(NamedTuple):
             other: another plane, in the same units; the sign of its normal does not matter.
 
         Returns:
-            The distance, without a unit: along one principal direction of the covariance, the number of standard errors.
+            The distance, without a unit. In one dimension it is the number of standard errors.
         """
         sign = np.sign(other.normal @ estimate.normal)
         normal, offset = sign * other.normal, sign * other.offset

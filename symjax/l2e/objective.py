@@ -14,7 +14,8 @@ from symjax.geometry.arrays import AnyArray
 from symjax.l2e.jax_config import keep_float64
 
 Vector = Float[AnyArray, " 3"]
-Scalar = Float[AnyArray, ""]
+Scalar = Float[Array, ""]
+AnyScalar = Float[AnyArray, ""]
 Real = float | Scalar
 PairEnds = Float[AnyArray, "n 3"]
 
@@ -45,13 +46,13 @@ def l2e_weights(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -
 
 
 @keep_float64
-def l2e_objective(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> Scalar:
+def l2e_objective(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> AnyScalar:
     """Computes f(v, ω) of Eq. 5, to be maximised: 2/(n(2πσ²)^{3/2}) Σ exp(−f_i/2σ²)."""
     return 2 * jnp.mean(l2e_weights(v, omega, sigma, x, y)) / (2 * math.pi * sigma**2) ** 1.5
 
 
 @keep_float64
-def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> tuple[Vector, Scalar]:
+def l2e_gradients(v: Vector, omega: Real, sigma: Real, x: PairEnds, y: PairEnds) -> tuple[Vector, AnyScalar]:
     """Computes (∇_v f, ∂f/∂ω) of the `l2e_objective` by the paper's closed forms, as sums over the pairs.
 
     ∇_v f is the Euclidean gradient, with f_i as the paper's polynomial. Its projection onto the tangent plane at v is
@@ -76,7 +77,7 @@ def l2e_loss(
     y: PairEnds,
     *,
     weights: Float[Array, " n"] | None = None,
-) -> Scalar:
+) -> AnyScalar:
     """Computes the L2E criterion, to be minimised: ∫g² − (2/n) Σ g(r_i) = (4πσ²)^{-3/2} − (2/n) Σ g(r_i) (Eq. 4).
 
     g is the isotropic normal density of standard deviation σ. The paper prints (2πσ²)^{-3/2} for the first term,

@@ -11,9 +11,9 @@ NUM_DIRECTIONS, OFFSET_STEP = 400, 0.04
 """Number of evenly spread normals on half the sphere, 7° apart, and distance between the offsets of each, in
 diagonals. The registration, whose σ starts at 0.05, bridges these steps."""
 
-OUTER_SHARE = 0.02
-"""Fraction of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of an
-object that was cut in half lies at the end of the cloud."""
+OUTER_FRACTION = 0.02
+"""Fraction of the points that may lie beyond the outermost offsets. They must reach this far out: the mirror plane of
+an object that was cut in half lies at the end of the cloud."""
 
 NUM_UPRIGHT_DIRECTIONS = 90
 """Number of evenly spread normals within a flat cloud's sheet, 2° apart."""
@@ -101,7 +101,7 @@ def even_planes(points: Float[np.ndarray, "n 3"], directions: Float[np.ndarray, 
     Planes through the centre would not do: a missing part shifts every estimate of it.
     """
     sample = points[:: max(1, len(points) // 1000)]
-    low, high = np.quantile(sample @ directions.T, [OUTER_SHARE, 1 - OUTER_SHARE], axis=0)
+    low, high = np.quantile(sample @ directions.T, [OUTER_FRACTION, 1 - OUTER_FRACTION], axis=0)
     count = ((high - low) / OFFSET_STEP).astype(int) + 1
     row = np.repeat(np.arange(len(directions)), count)
     step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) - (count[row] - 1) / 2

@@ -57,8 +57,8 @@ class Robust:
         exact_scoring: whether to order candidates by scores with exact nearest neighbours. Otherwise their scores come
             from the voxel grid, whose neighbours are wrong by up to the diagonal of a voxel.
         max_refined: maximum number of candidates that are refined. A cube has nine mirror planes.
-        refine_above: fraction of the best refined candidate's score above which another candidate is refined too, since it
-            may be another mirror plane.
+        refine_above: fraction of the best refined candidate's score above which another candidate is refined too, since
+            it may be another mirror plane.
         refine: whether a candidate takes the refined plane. Otherwise it keeps its own, and only the standard errors
             and σ come from the refinement.
         use_exactness: whether the exactness counts in the ranking and the classification. Otherwise it is not computed.

@@ -44,8 +44,8 @@ residuals of a pair, have points in common and are not independent."""
 
 INFLATION = 1.4
 """Factor on the variance of the sandwich formula, which assumes fixed pairs, whereas the partners change as the plane
-moves. Chosen on generated noisy clouds; `experiments.run coverage` prints the fraction of confidence regions that contain
-the true plane."""
+moves. Chosen on generated noisy clouds; `experiments.run coverage` prints the fraction of confidence regions that
+contain the true plane."""
 
 
 class Correspondences(NamedTuple):

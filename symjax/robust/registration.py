@@ -1,8 +1,8 @@
 """Registration: moves planes until the reflected cloud lies on the cloud, with partners from the voxel grid.
 
 The partner of a point is the surface point nearest to its mirror image, as in ICP. The residual r is the distance of
-the mirror image from the partner's tangent plane, with a fraction of its distance from the partner itself. Every step is a
-Gauss-Newton step on the squares weighted by exp(−‖r‖²/2σ²): the majorise-minimise step of the L2E criterion. The
+the mirror image from the partner's tangent plane, with a fraction of its distance from the partner itself. Every step
+is a Gauss-Newton step on the squares weighted by exp(−‖r‖²/2σ²): the majorise-minimise step of the L2E criterion. The
 partners are looked up anew before every step, and σ decreases.
 
 Everything runs in single precision over a batch of planes, in arrays of fixed shapes.

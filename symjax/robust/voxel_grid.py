@@ -14,7 +14,7 @@ SIZE = 64
 """Voxels along every side. A voxel is then about as wide as the spacing of 5 000 points."""
 
 MARGIN = 0.1
-"""Margin around the cloud on every side, as a fraction of its longest side. A point beyond it is far from the surface."""
+"""Margin around the cloud on every side, as a fraction of the longest. A point beyond it is far from the surface."""
 
 
 class VoxelGrid(NamedTuple):

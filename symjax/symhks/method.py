@@ -94,10 +94,10 @@ class SymHKS(CorrespondenceOptions):
     def as_printed(cls) -> "SymHKS":
         """Returns the settings that the paper prints.
 
-        Three choices remain that are not the paper's: the Laplacian `"stars"`, where the paper uses the library;
-        `num_signs=12` instead of all eigenfunctions; and 500 keypoints, of which at least half are farthest-point
-        samples, where the paper has intrinsic shape signatures only. The paper gives no number of keypoints or pairs, and no σ: they have our
-        defaults.
+        Three choices remain that are not the paper's: the Laplacian `"stars"`, where the paper uses the library's
+        point-cloud routine; `num_signs=12` instead of all eigenfunctions; and 500 keypoints, at least half of them
+        farthest-point samples, where the paper has intrinsic shape signatures only. The paper gives no number of
+        keypoints or pairs, and no σ: they have our defaults.
         """
         return cls(times="uniform", whitened=False, separation=0.0, restarts=1, solver="alternating")
 

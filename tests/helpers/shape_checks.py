@@ -82,18 +82,26 @@ def _resolve_when_called(function) -> None:
 
 
 def _lazy(annotation: str, module: str) -> Any:
-    return Annotated[object, Is[lambda value: is_bearable(value, _evaluated(annotation, module), conf=CONF)]]
+    def holds(value):
+        try:
+            hint = _evaluated(annotation, module)
+        except NameError:
+            # the class that the annotation names is still being defined
+            return True
+        return is_bearable(value, hint, conf=CONF)
+
+    return Annotated[object, Is[holds]]
 
 
 @functools.cache
 def _evaluated(annotation: str, module: str) -> Any:
-    """Evaluates an annotation in its module, to which the imports for type checkers are added."""
-    return eval(annotation, _names_for_type_checkers(module))
+    return eval(annotation, _imports_for_type_checkers(module), vars(sys.modules[module]))
 
 
 @functools.cache
-def _names_for_type_checkers(module: str) -> dict[str, Any]:
-    names = dict(vars(sys.modules[module]))
+def _imports_for_type_checkers(module: str) -> dict[str, Any]:
+    """Executes the imports below `if TYPE_CHECKING:` of a module."""
+    names: dict[str, Any] = {}
     for node in ast.parse(inspect.getsource(sys.modules[module])).body:
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             imports = [line for line in node.body if isinstance(line, (ast.Import, ast.ImportFrom))]

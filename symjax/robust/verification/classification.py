@@ -39,15 +39,15 @@ BACKGROUND = slice(4, 12)
 cloud as a mere local optimum. Compact round clouds agree to some extent with any plane through their centre."""
 
 SECONDARY = 0.87
-"""Fraction of the best ranking score above which another candidate may be a mirror plane. A missing part may have reduced
-its score more than that of the best."""
+"""Fraction of the best ranking score above which another candidate may be a mirror plane. A missing part may have
+reduced its score more than that of the best."""
 
 AS_GOOD = 0.97
 """Fraction of the best ranking score above which another mirror plane is as good as the best."""
 
 VALLEY = 0.95
-"""Fraction of a candidate's own score below which the score must fall between it and every better mirror plane. A body of
-revolution with a handle agrees with all planes through its axis nearly as well as with the plane through the handle.
+"""Fraction of a candidate's own score below which the score must fall between it and every better mirror plane. A body
+of revolution with a handle agrees with all planes through its axis nearly as well as with the plane through the handle.
 They are not mirror planes, and no valley separates them from that one. Chosen on generated clouds; the columns
 "correct kind" of `experiments.run calibration` show how often the remaining planes are right."""
 
@@ -62,8 +62,8 @@ AXIS_PLANES = 7
 of them as mirror planes."""
 
 STILL_AS_GOOD = 0.94
-"""Fraction of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes are
-not refined."""
+"""Fraction of the best score above which a plane through an axis scores high. It is below AS_GOOD because these planes
+are not refined."""
 
 AS_GOOD_FLAT, STILL_AS_GOOD_FLAT = 0.92, 0.85
 """The same two shares for an axis of a flat cloud, whose outline has few points: 0.94 and 0.92 on filled discs."""

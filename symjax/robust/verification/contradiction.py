@@ -1,8 +1,8 @@
 """Contradiction: mirror images that lie where the object has no surface.
 
 The score compares the reflected cloud with the cloud at a fine scale, where noise and curvature decide. A handle of a
-mug is a small fraction of its points, and loses against the body. Coarse evidence is unambiguous: the mirror image of the
-handle lies many spacings away from any surface. A missing part produces such images too, but then they begin at the
+mug is a small fraction of its points, and loses against the body. Coarse evidence is unambiguous: the mirror image of
+the handle lies many spacings away from any surface. A missing part produces such images too, but then they begin at the
 boundary of the surface, where the part was cut off, or lie in space that the scan could not see.
 """
 
@@ -45,8 +45,8 @@ class Contradiction(NamedTuple):
     Attributes:
         gross: fraction of the weight whose mirror images are far from the surface, for whatever reason.
         refuting: the part of it that no missing part explains.
-        at_boundary: fraction of boundary points among the surface points nearest to the clusters of far mirror images, in
-            the mean over all clusters; 1 without any.
+        at_boundary: fraction of boundary points among the surface points nearest to the clusters of far mirror images,
+            in the mean over all clusters; 1 without any.
     """
 
     gross: float
