@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from symjax.geometry.arrays import AnyArray
 from symjax.geometry.directions import fibonacci
 from symjax.geometry.plane import Plane
 from symjax.geometry.plane_nms import suppress
@@ -159,8 +158,8 @@ def _weights(planes: Plane, sigma: float, pairs: PaddedPairs) -> Float[np.ndarra
 def _all_weights(planes: Plane, sigma: Float[Array, ""], pairs: PaddedPairs) -> Float[Array, "p b"]:
     """Computes the L2E weight of every pair at every plane; zero for padding."""
 
-    def weights(v: Float[Array, " 3"], omega: Float[Array, ""]) -> Float[AnyArray, " b"]:
-        return l2e_weights(v, omega, sigma, pairs.x, pairs.y) * pairs.weights
+    def weights(v: Float[Array, " 3"], omega: Float[Array, ""]) -> Float[Array, " b"]:
+        return jnp.asarray(l2e_weights(v, omega, sigma, pairs.x, pairs.y)) * pairs.weights
 
     return jax.vmap(weights)(jnp.asarray(planes.normal), jnp.asarray(planes.offset))
 
