@@ -59,6 +59,7 @@ class Cloud(NamedTuple):
         `detect` passes the cloud to the method, in which it is read like this:
 
         >>> import symjax
+        >>> from symjax.preprocess.cloud import prepare
         >>> def extent(cloud: symjax.Cloud) -> np.ndarray:
         ...     return np.ptp(cloud.points, axis=0)
         >>> cloud = prepare(symjax.datasets.generate("block", num_points=300).points * 7)

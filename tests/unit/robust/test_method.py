@@ -140,17 +140,22 @@ def test_a_wrong_initial_plane_is_harmless(cloud, detection):
 
 
 @pytest.mark.parametrize(
-    "init",
+    ("normal", "offset"),
     [
-        Plane(np.zeros(3), np.float64(0)),
-        Plane(np.ones(2), np.float64(0)),
-        Plane(np.ones((2, 3)), np.zeros(2)),
-        Plane(np.array([1.0, np.nan, 0.0]), np.float64(0)),
-        Plane(np.ones(3), np.float64("inf")),
-        *("plane", 5, ([1.0, 0.0, 0.0],), (np.ones(3), "a")),
+        (np.zeros(3), np.float64(0)),
+        (np.ones(2), np.float64(0)),
+        (np.ones((2, 3)), np.zeros(2)),
+        (np.array([1.0, np.nan, 0.0]), np.float64(0)),
+        (np.ones(3), np.float64("inf")),
     ],
 )
-def test_a_malformed_initial_plane_is_rejected(init):
+def test_a_malformed_initial_plane_is_rejected(normal, offset):
+    with pytest.raises(InvalidArgumentError, match="init"):
+        Robust(init=Plane(normal, offset))
+
+
+@pytest.mark.parametrize("init", ["plane", 5, ([1.0, 0.0, 0.0],), (np.ones(3), "a")])
+def test_an_initial_plane_of_another_type_is_rejected(init):
     with pytest.raises(InvalidArgumentError, match="init"):
         Robust(init=init)
 
