@@ -33,7 +33,7 @@ PRODUCT_INDEX[_FIRST, _SECOND] = PRODUCT_INDEX[_SECOND, _FIRST] = np.arange(len(
 
 
 class Features(NamedTuple):
-    """Features of centred and scaled pairs, in tiles of at most `TILE` pairs.
+    """Features of centred and scaled pairs, in tiles of at most `TILE` pairs; or of one tile, without the first axis.
 
     Attributes:
         phi: the 11 features φ of every pair.
@@ -45,12 +45,12 @@ class Features(NamedTuple):
         num_tiles: number of tiles that hold pairs; the tiles after them are padding.
     """
 
-    phi: Float[Array, "t 11 p"]
-    weighted: Float[Array, "t 11 p"]
-    products: Float[Array, "t 55 p"]
-    midpoints: Float[Array, "t 3 p"]
-    half_differences: Float[Array, "t 3 p"]
-    weights: Float[Array, "t p"]
+    phi: Float[Array, "*t 11 p"]
+    weighted: Float[Array, "*t 11 p"]
+    products: Float[Array, "*t 55 p"]
+    midpoints: Float[Array, "*t 3 p"]
+    half_differences: Float[Array, "*t 3 p"]
+    weights: Float[Array, "*t p"]
     num_tiles: Int[Array, ""]
 
 

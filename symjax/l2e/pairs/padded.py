@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Float, Int
 
+from symjax.geometry.arrays import JitInput
 from symjax.l2e.pairs.arguments import Points, Weights, checked_pairs, checked_weights
 
 LEAST_SIZE = 256
@@ -23,10 +24,10 @@ class PaddedPairs(NamedTuple):
         used: number of pairs without padding.
     """
 
-    x: Float[Array, "b 3"]
-    y: Float[Array, "b 3"]
-    weights: Float[Array, " b"]
-    used: Int[Array, ""]
+    x: Float[JitInput, "b 3"]
+    y: Float[JitInput, "b 3"]
+    weights: Float[JitInput, " b"]
+    used: Int[JitInput, ""]
 
 
 def padded_size(num: int, least: int = LEAST_SIZE) -> int:

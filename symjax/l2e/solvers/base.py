@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from symjax.geometry.arrays import JitInput
 from symjax.l2e.status import Status
 
 State = Any
@@ -60,8 +61,8 @@ class Limits(NamedTuple):
         tol: tolerance of the norm of the Riemannian gradient.
     """
 
-    max_steps: Int[Array, ""] | int
-    tol: Float[Array, ""]
+    max_steps: Int[JitInput, ""] | int
+    tol: Float[JitInput, ""]
 
 
 class Solver(NamedTuple):
