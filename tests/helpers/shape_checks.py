@@ -14,6 +14,7 @@ from typing import Annotated, Any
 
 import beartype
 import jaxtyping
+import numpy as np
 import pytest
 from beartype.door import is_bearable
 from beartype.vale import Is
@@ -140,9 +141,15 @@ def _check_construction(owner, decorate) -> None:
     @functools.wraps(plain)
     def new(cls, *args, **options):
         caller = sys._getframe(1).f_globals.get("__name__", "").split(".")[0]
-        build = plain if caller in UNCHECKED_CALLERS else checked
-        return build(cls, *args, **options)
+        if caller not in UNCHECKED_CALLERS:
+            checked(cls, *map(_scalar, args), **{name: _scalar(value) for name, value in options.items()})
+        return plain(cls, *args, **options)
 
     owner.__new__ = staticmethod(new)
     # `_replace` calls `_make`, which would bypass `__new__`
     owner._make = classmethod(lambda cls, values: cls(*values))
+
+
+def _scalar(value: Any) -> Any:
+    """Makes a Python float pass as a scalar array, as it does in the arithmetic of NumPy and JAX."""
+    return np.float64(value) if type(value) is float else value
