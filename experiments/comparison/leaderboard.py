@@ -51,7 +51,7 @@ def prediction(row: Row, most: int | None = None) -> Prediction:
     The case has one point, the mean of the cloud, which is all that the metrics of planes need.
     """
     table = np.array(row["planes"], float).reshape(-1, 5)[:most]
-    truths = tuple(Plane(np.array(t[:3]), np.asarray(t[3])) for t in row["truths"])
+    truths = tuple(Plane(np.array(t[:3], float), np.asarray(t[3], float)) for t in row["truths"])
     case = Case(row["name"], row["group"], np.array([row["centre"]]), truths, row["diagonal"], row["seed"])
     return Prediction(Ranking(table[:, :3], table[:, 3], table[:, 4]), case)
 

@@ -78,7 +78,7 @@ def _position(viewpoint: ArrayLike) -> Float[np.ndarray, " 3"]:
     try:
         position = np.asarray(viewpoint, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InvalidArgumentError(f"the viewpoint must be three numbers, not {viewpoint!r}") from error
+        raise InvalidArgumentError(f"the viewpoint must be three numbers, got {viewpoint!r}") from error
     if position.shape != (3,) or not np.isfinite(position).all():
-        raise InvalidArgumentError(f"the viewpoint must be three finite numbers, not {viewpoint!r}")
+        raise InvalidArgumentError(f"the viewpoint must be three finite numbers, got {viewpoint!r}")
     return position

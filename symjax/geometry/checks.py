@@ -87,7 +87,7 @@ def as_path(value: Any) -> Path:
     try:
         return Path(value)
     except TypeError as error:
-        raise InvalidArgumentError(f"a path must be text or a pathlib.Path, not {value!r}") from error
+        raise InvalidArgumentError(f"a path must be text or a pathlib.Path, got {value!r}") from error
 
 
 def _python_scalar(value: Any) -> Any:

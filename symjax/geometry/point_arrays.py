@@ -23,7 +23,7 @@ def as_points(points: ArrayLike, *, least: int = 1) -> Float[np.ndarray, "n 3"]:
     except ValueError as error:
         raise InvalidPointsError("points must be an (n, 3) array, but the rows differ in length") from error
     if array.dtype.kind not in "fiu":
-        raise InvalidPointsError(f"points must be real numbers, not {array.dtype}: convert them to float first")
+        raise InvalidPointsError(f"points must be real numbers, got {array.dtype}: convert them to float first")
     if array.size == 0:
         noun = "point is" if least == 1 else "points are"
         raise TooFewPointsError(f"points is empty (shape {array.shape}): at least {least} {noun} needed")
@@ -35,7 +35,7 @@ def as_points(points: ArrayLike, *, least: int = 1) -> Float[np.ndarray, "n 3"]:
             hint = ": pass the coordinates only (points[:, :3])"
         elif array.ndim == 2 and array.shape[1] == 2:
             hint = ": add a third column for the z coordinate"
-        raise InvalidPointsError(f"points must have shape (n, 3), not {array.shape}{hint}")
+        raise InvalidPointsError(f"points must have shape (n, 3), got {array.shape}{hint}")
     return array.astype(float)
 
 

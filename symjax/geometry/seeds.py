@@ -32,4 +32,4 @@ def seeded(rng: Seed) -> Seeded:
         return Seeded(None, rng)
     if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and rng >= 0:
         return Seeded(int(rng), np.random.default_rng(int(rng)))
-    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, not {rng!r}")
+    raise InvalidArgumentError(f"rng must be a seed (a whole number, at least 0) or a NumPy Generator, got {rng!r}")

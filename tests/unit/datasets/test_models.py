@@ -58,7 +58,7 @@ def test_changing_a_model_does_not_change_the_registry(tent):
 def test_bad_arguments_are_refused(tent, site):
     with pytest.raises(InvalidArgumentError, match=r"model 'unicorn' is unknown: choose one of boat, boot, .*, spot, "):
         datasets.load("unicorn")
-    with pytest.raises(InvalidArgumentError, match="num_samples must be a whole number, at least 1, not 0"):
+    with pytest.raises(InvalidArgumentError, match="num_samples must be a whole number, at least 1, got 0"):
         datasets.load("tent", num_samples=0)
     assert not site.asked
 

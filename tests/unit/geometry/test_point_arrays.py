@@ -28,7 +28,7 @@ def test_the_given_points_are_not_written_to():
         (np.zeros((3, 8)), "transpose"),
         (np.zeros((8, 6)), "coordinates only"),
         (np.zeros((8, 2)), "third column"),
-        (np.zeros((2, 4, 3)), r"not \(2, 4, 3\)"),
+        (np.zeros((2, 4, 3)), r"got \(2, 4, 3\)"),
         (np.zeros((8, 3), complex), "real numbers"),
         (np.zeros((8, 3), bool), "real numbers"),
         (np.full((8, 3), "1"), "real numbers"),
