@@ -95,10 +95,9 @@ class FoundThresholds:
         exactness_per_noise: increase of that exactness with the noise. On a noisy surface chance reaches a higher one.
 
     Example:
-        >>> import symjax
-        >>> symjax.FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
+        >>> FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
         array(0.675)
-        >>> symjax.FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
+        >>> FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
         array(0.4)
     """
 
@@ -121,9 +120,6 @@ class FoundThresholds:
             exactness: exactness of the plane; 0 if it is not known.
             background: median score of other candidates, see `background`.
             noise: noise of the surface, see `relative_noise`.
-
-        Returns:
-            The score that the plane must exceed, one for each plane.
         """
         usual = np.minimum(self.base + self.per_background * np.asarray(background), self.most)
         return np.where(exactness > self.exactness + self.exactness_per_noise * np.asarray(noise), self.exact, usual)
