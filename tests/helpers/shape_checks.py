@@ -135,6 +135,8 @@ def _check_construction(owner, decorate) -> None:
         name: _lazy(hint.__forward_arg__, owner.__module__) if isinstance(hint, typing.ForwardRef) else hint
         for name, hint in owner.__annotations__.items()
     }
+    # as a scalar array, a float would fix the shape of the batch to which the other fields belong
+    floats = {name for name, hint in fields.items() if is_bearable(1.0, hint, conf=CONF)}
     # the annotations of `__new__` are those of the class; a copy leaves the class as it is
     checked = type(plain)(plain.__code__, plain.__globals__, owner.__name__, plain.__defaults__)
     checked.__annotations__ = fields
@@ -144,8 +146,9 @@ def _check_construction(owner, decorate) -> None:
     @functools.wraps(plain)
     def new(cls, *args, **options):
         caller = sys._getframe(1).f_globals.get("__name__", "").split(".")[0]
-        if caller not in UNCHECKED_CALLERS:
-            checked(cls, *map(_scalar, args), **{name: _scalar(value) for name, value in options.items()})
+        if caller not in UNCHECKED_CALLERS and len(args) <= len(fields):
+            given = {**dict(zip(fields, args, strict=False)), **options}
+            checked(cls, **{name: value if name in floats else _scalar(value) for name, value in given.items()})
         return plain(cls, *args, **options)
 
     owner.__new__ = staticmethod(new)
