@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from symjax.method.stage_timer import StageTimer
     from symjax.preprocess.cloud import Cloud
     from symjax.robust.method import Robust
-    from symjax.robust.verification.classification import FoundThresholds
+    from symjax.robust.verification.thresholds import FoundThresholds
     from symjax.symhks.method import SymHKS
 
 __version__ = "0.2.0"
@@ -41,7 +41,7 @@ _HOME = {
     "Cloud": "symjax.preprocess.cloud",
     "Detection": "symjax.detection.result",
     "Fit": "symjax.l2e.fit",
-    "FoundThresholds": "symjax.robust.verification.classification",
+    "FoundThresholds": "symjax.robust.verification.thresholds",
     "Method": "symjax.method.protocol",
     "MethodResult": "symjax.method.result",
     "Plane": "symjax.geometry.plane",

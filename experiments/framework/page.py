@@ -110,8 +110,15 @@ def _provenance(about: Row) -> str:
         (f"{field} {config[field]}" for field in ("seed", "seeds") if field in config), "seeds fixed in the study"
     )
     versions = ", ".join(f"{package} {version}" for package, version in about["versions"].items())
-    return (
+    commit = about["commit"] or "unknown"
+    doubts = []
+    if about["size"] == "small":
+        doubts.append("**This is a small run**, which only shows that the study works.")
+    if not about["commit"] or commit.endswith("+"):
+        doubts.append("**The code was not committed when this ran.**")
+    provenance = (
         f"Size {about['size']}; {seed}; {about['wall_seconds']:.0f} s, started {about['started']}; "
         f"{machine['cpu']}, {machine['cores']} cores, {machine['system']}; {versions}; "
-        f"commit {about['commit'] or 'unknown'}."
+        f"commit {commit}."
     )
+    return " ".join([*doubts, provenance])

@@ -16,12 +16,13 @@ from symjax.robust.initial_plane import checked_plane
 from symjax.robust.quadrics import Quadrics, fit_quadrics
 from symjax.robust.sheet import FLAT_THRESHOLDS, OWN_PLANE, find_sheet, uncertainty_in_space, upright
 from symjax.robust.surface import Surface, estimate_surface
-from symjax.robust.verification.classification import FoundThresholds, classify
+from symjax.robust.verification.classification import classify
 from symjax.robust.verification.contradiction import NO_CONTRADICTION, Contradiction, contradiction
 from symjax.robust.verification.evidence import Evidence, best_first
 from symjax.robust.verification.layers import doubt_of_layers, with_layers
 from symjax.robust.verification.notes import notes
 from symjax.robust.verification.scoring import PlaneScore, exactness, score_plane
+from symjax.robust.verification.thresholds import FoundThresholds
 from symjax.robust.visibility import find_viewpoint
 from symjax.robust.voxel_grid import VoxelGrid, voxel_grid
 

@@ -6,7 +6,7 @@ plane. What distinguishes the planes is the outline of the sheet, or the cloud i
 planes stay upright on the sheet: mirror images of points and normals of the sheet lie in the sheet, so no derivative
 turns the plane out of it.
 
-Everything here is in the cloud's own frame, whose last axis is the normal of the sheet.
+Everything here is in the cloud frame, whose last axis is the normal of the sheet.
 """
 
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from scipy.spatial import Delaunay, cKDTree
 from symjax.geometry.plane import Plane
 from symjax.geometry.uncertainty import Uncertainty
 from symjax.robust.surface import BOUNDARY_SHIFT, Surface, confidence_of, tolerance_of
-from symjax.robust.verification.classification import FoundThresholds
+from symjax.robust.verification.thresholds import FoundThresholds
 
 CURVE_NEIGHBOURS = (12, 24, 48, 96, 192)
 """Sizes of the neighbourhoods in which a cloud may look like a curve. Noise widens a curve: small neighbourhoods of its
@@ -43,6 +43,7 @@ chance once in 10⁸ places; a sparse part may have a third of the usual density
 FINEST = 0.003
 """Minimum spacing that is assumed for a curve, in diagonals. The voxel grid, whose voxels are 0.02 wide, brings
 the planes to within a few of these."""
+
 OWN_PLANE = 0.99
 """Cosine of the angle to the sheet's normal above which an initial plane is the sheet's own, and is not used."""
 
@@ -80,7 +81,7 @@ def find_sheet(points: Float[np.ndarray, "n 3"]) -> Sheet:
     """Estimates the sheet and the outline of a flat cloud.
 
     Args:
-        points: distinct points of a flat cloud in its own frame, in units of its diagonal.
+        points: distinct points of a flat cloud in the cloud frame, in units of its diagonal.
     """
     noise = float(np.sqrt((points[:, 2] ** 2).mean()))
     flat = points * np.array([1.0, 1.0, 0.0])

@@ -32,7 +32,7 @@ from symjax.preprocess.cloud import prepare
 from symjax.robust.method import Robust
 from symjax.robust.quadrics import fit_quadrics
 from symjax.robust.surface import estimate_surface
-from symjax.robust.verification.classification import BACKGROUND, FoundThresholds, background, relative_noise
+from symjax.robust.verification.thresholds import BACKGROUND, FoundThresholds, background, relative_noise
 
 TRUTHS = {
     "generated": "one plane",

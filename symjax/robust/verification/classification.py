@@ -1,6 +1,6 @@
 """Classification: which candidates are mirror planes, and what symmetry they make up.
 
-`classify` makes four decisions in order:
+`classify` makes these decisions in order:
 
 1. The best candidate must exceed its threshold, and the cloud must not refute it. Otherwise the symmetry is "none".
 2. Another candidate may be a mirror plane too if it exceeds its own threshold, its ranking score is not far below the
@@ -9,20 +9,19 @@
 3. If the second of these planes is about as good as the first, the answer is ambiguous. It may then be a sample of the
    planes of a continuous symmetry. The line in which two candidates intersect is an axis if all planes through it score
    high and none of them is refuted.
-4. If there is no axis, only the planes that the cloud confirms are named.
-5. If the planes through a line that is tilted to the axis score high too, the symmetry is a sphere. The line is taken
+4. If the planes through a line that is tilted to the axis score high too, the symmetry is a sphere. The line is taken
    through the common point of the mirror planes.
+
+Only the planes that the cloud confirms are named. Without an axis, a plane that is ruled out is not counted as a rival.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from symjax.geometry import checks
 from symjax.geometry.local_frames import tangent_frames
 from symjax.geometry.plane import Plane
 from symjax.method.result import Axis, Candidate, Symmetry
@@ -32,11 +31,8 @@ from symjax.robust.surface import Surface
 from symjax.robust.verification.contradiction import contradiction
 from symjax.robust.verification.evidence import Evidence, is_refuted
 from symjax.robust.verification.scoring import score_plane
+from symjax.robust.verification.thresholds import FoundThresholds, background, relative_noise
 from symjax.robust.voxel_grid import VoxelGrid
-
-BACKGROUND = slice(4, 12)
-"""Ranks, counted from 0, of the candidates whose median score is the background: the score that a plane reaches on this
-cloud as a mere local optimum. Compact round clouds agree to some extent with any plane through their centre."""
 
 SECONDARY = 0.87
 """Fraction of the best ranking score above which another candidate may be a mirror plane. A missing part may have
@@ -66,7 +62,7 @@ STILL_AS_GOOD = 0.94
 are not refined."""
 
 AS_GOOD_FLAT, STILL_AS_GOOD_FLAT = 0.92, 0.85
-"""The same two shares for an axis of a flat cloud, whose outline has few points: 0.94 and 0.92 on filled discs."""
+"""The same two fractions for an axis of a flat cloud, whose outline has few points: 0.94 and 0.92 on filled discs."""
 
 NUM_POINTS = 1000
 """Number of points on which planes are scored here."""
@@ -74,55 +70,6 @@ NUM_POINTS = 1000
 EXCUSED_ON_AXIS = 0.5
 """See EXCUSED_BY_BOUNDARY in `contradiction`: on a body of revolution, only a cut excuses a plane through the axis. A
 handle near the rim of a vessel is close to boundary points too. Measured on a saucepan: 0.35."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FoundThresholds:
-    """The threshold: the score that a mirror plane must exceed.
-
-    The threshold is `base + per_background · background`, but at most `most`. It is `exact` instead for a plane whose
-    exactness exceeds `exactness + exactness_per_noise · noise`. The defaults were chosen on generated objects and real
-    models: `experiments.run calibration` prints the rates of right and wrong answers for them and for other values.
-
-    Attributes:
-        base: threshold without any background.
-        per_background: increase of the threshold with the background. Compact round clouds agree to some extent with
-            any plane through their centre.
-        most: upper limit of the threshold, whatever the background.
-        exact: threshold of exact planes. Mirror images that lie as close to the surface as its own points are not due
-            to chance.
-        exactness: exactness that an exact plane must exceed on a clean surface.
-        exactness_per_noise: increase of that exactness with the noise. On a noisy surface chance reaches a higher one.
-
-    Example:
-        >>> FoundThresholds().threshold(exactness=0.2, background=0.5, noise=0.0)
-        array(0.675)
-        >>> FoundThresholds().threshold(exactness=0.9, background=0.5, noise=0.0)
-        array(0.4)
-    """
-
-    base: float = 0.36
-    per_background: float = 0.63
-    most: float = 0.8
-    exact: float = 0.4
-    exactness: float = 0.5
-    exactness_per_noise: float = 0.35
-
-    def __post_init__(self) -> None:
-        """Raises InvalidArgumentError if a number is negative or not finite."""
-        for field in fields(self):
-            checks.number(field.name, getattr(self, field.name), least=0)
-
-    def threshold(self, exactness: Any, background: Any, noise: Any) -> Float[np.ndarray, "*n"]:
-        """Returns the threshold of a plane, or of an array of planes.
-
-        Args:
-            exactness: exactness of the plane; 0 if it is not known.
-            background: median score of other candidates, see `background`.
-            noise: noise of the surface, see `relative_noise`.
-        """
-        usual = np.minimum(self.base + self.per_background * np.asarray(background), self.most)
-        return np.where(exactness > self.exactness + self.exactness_per_noise * np.asarray(noise), self.exact, usual)
 
 
 class Classification(NamedTuple):
@@ -145,16 +92,6 @@ class Classification(NamedTuple):
     def none(self) -> "Classification":
         """Returns the classification of the same candidates if none of them is a mirror plane."""
         return Classification(self.threshold, "none", False, None, ())
-
-
-def background(ranked: Sequence[Candidate]) -> float:
-    """Returns the median score of the candidates in the ranks BACKGROUND, or 0 if there are too few candidates."""
-    return float(np.median([c.score for c in ranked[BACKGROUND]])) if len(ranked) > BACKGROUND.start else 0.0
-
-
-def relative_noise(surface: Surface, quadrics: Quadrics) -> float:
-    """Returns the scatter of a surface about its quadrics, in tolerances of the surface."""
-    return quadrics.scatter / surface.tolerance
 
 
 def classify(
@@ -196,13 +133,12 @@ def classify(
     least, axis = max(limits[0], still * best.score), None
     if _is_ambiguous(mirrors, ranked, as_good):
         axis = _axis([c.plane for c in ranked if c.score > least][:AXIS_TRIALS], scorer, least)
+    planes = tuple(ranked[i].plane for i in mirrors if verdicts[i] == "confirmed")
     if axis is None:
         mirrors = [i for i in mirrors if verdicts[i] != "ruled out"]
-        planes = tuple(ranked[i].plane for i in mirrors if verdicts[i] == "confirmed")
         kind: Symmetry = "one plane" if len(planes) == 1 else "several planes"
         unconfirmed = len(mirrors) - len(planes)
         return Classification(limits[0], kind, _is_ambiguous(mirrors, ranked), None, planes, unconfirmed)
-    planes = tuple(ranked[i].plane for i in mirrors if verdicts[i] == "confirmed")
     centre = _common_point([ranked[i].plane for i in mirrors])
     if scorer.all_exceed(_planes_through_line(centre, _tilted(axis[1])), least):
         return Classification(limits[0], "sphere", True, (centre, axis[1]), planes)
@@ -280,8 +216,8 @@ def _axis(planes: list[Plane], scorer: _Scorer, least: float) -> Axis | None:
             continue  # the line of nearly parallel planes is too uncertain
         direction /= length
         point = np.linalg.solve(np.stack([a.normal, b.normal, direction]), np.array([a.offset, b.offset, 0.0]))
-        planes = _planes_through_line(point, direction)
-        if scorer.all_exceed(planes, least) and not scorer.refutes_any(planes):
+        through = _planes_through_line(point, direction)
+        if scorer.all_exceed(through, least) and not scorer.refutes_any(through):
             return point, direction
     return None
 

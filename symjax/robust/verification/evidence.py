@@ -1,4 +1,4 @@
-"""Verification: which candidate comes first, and which others the cloud confirms beside it.
+"""Evidence: which candidate comes first, and which others the cloud confirms beside it.
 
 A cloud is complete if a good plane maps all of it onto itself. Then nothing is missing, and no other plane is excused
 by a missing part. If the cloud is not complete, a further plane must agree with the cloud that the first plane
@@ -14,8 +14,8 @@ from symjax.robust.verification.contradiction import Completion, Contradiction
 
 Verdict = Literal["confirmed", "unconfirmed", "ruled out", "refuted"]
 """An unconfirmed plane may be a mirror plane, but too much of the object is missing to tell. A plane is ruled out if it
-needs a missing part although the cloud is complete. It is refuted if no missing part could
-explain its contradiction."""
+needs a missing part although the cloud is complete. It is refuted if no missing part could explain its
+contradiction."""
 
 REFUTING, REFUTING_ONE_SIDED = 0.03, 0.05
 """Refuting contradiction above which a plane is refuted. Measured on 52 man-made objects, whole, noisy, cut, and with

@@ -7,7 +7,7 @@ import pytest
 
 from experiments.studies.robust import calibration
 from symjax.robust.method import Robust
-from symjax.robust.verification.classification import FoundThresholds
+from symjax.robust.verification.thresholds import FoundThresholds
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from symjax.preprocess.cloud import prepare
 from symjax.robust import hypotheses, registration, search
 from symjax.robust.method import Robust
 from symjax.robust.surface import estimate_surface
-from symjax.robust.verification.classification import FoundThresholds
 from symjax.robust.verification.scoring import score_plane
+from symjax.robust.verification.thresholds import FoundThresholds
 from symjax.robust.voxel_grid import voxel_grid
 from tests.helpers.vessels import handle, vessel
 

@@ -69,7 +69,7 @@ def test_an_outline_without_a_mirror_line_has_no_plane(rng):
     assert symjax.detect(points).symmetry == "none"
 
 
-def test_points_strewn_over_the_sheet_are_left_out(rng):
+def test_points_scattered_over_the_sheet_are_removed(rng):
     strewn = np.c_[rng.uniform(-1.7, 1.7, size=(400, 2)), np.zeros(400)]
     points, normal, _ = posed(np.vstack([egg(rng, 1_000, filled=False), strewn]), rng)
     found = symjax.detect(points)
